@@ -161,13 +161,13 @@ def test_an_entry_depends_on_modules_that_are_imported_as_such() -> None:
     assert "model.arrays" in _with_imports({"model.walls"})
 
 
-@pytest.mark.parametrize("damage", [b"", b"no entry", None])
-def test_a_damaged_entry_is_compiled_again(tmp_path: Path, damage: bytes | None) -> None:
+def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
     run_python(USE, tmp_path)
     (path,) = kept(tmp_path)
     sound = path.read_bytes()
-    path.write_bytes(sound[: len(sound) // 2] if damage is None else damage)
-    assert run_python(USE, tmp_path) == "5.0 0"
+    for damaged in (b"", b"no entry", sound[: len(sound) // 2]):
+        path.write_bytes(damaged)
+        assert run_python(USE, tmp_path) == "5.0 0"
     assert run_python(USE, tmp_path) == "5.0 1"
 
 

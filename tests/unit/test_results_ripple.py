@@ -8,6 +8,7 @@ from toothspace.results.ripple import (
     distinct_samples,
     harmonics,
     high_pass,
+    low_pass,
     pressure_ripple,
     pulsation_source,
     resolved_spectrum,
@@ -76,6 +77,13 @@ def test_high_pass_takes_low_orders_out() -> None:
     signal = 5.0 + 2.0 * np.cos(angle) + np.sin(2.0 * angle) + kept
     uniform, filtered = high_pass(angle, signal, 3.0)
     assert filtered == pytest.approx(0.3 * np.sin(12.0 * uniform), abs=1e-3)
+
+
+def test_low_pass_keeps_the_mean_and_what_a_slow_sensor_sees() -> None:
+    angle = np.linspace(0.0, TURN, 721)
+    seen = 5.0 + 2.0 * np.cos(angle)
+    uniform, filtered = low_pass(angle, seen + np.sin(12.0 * angle), 11.0)
+    assert filtered == pytest.approx(5.0 + 2.0 * np.cos(uniform), abs=1e-3)
 
 
 def test_spectrum_leaves_out_what_a_run_does_not_resolve() -> None:

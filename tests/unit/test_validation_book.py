@@ -77,7 +77,9 @@ def test_bounds_words_and_curves_for_the_eye() -> None:
     assert holds("it moves", False, "words").verdict == "fail"
     assert holds("it moves", True, "words").verdict == "pass"
     free = ComparedCurve("ours alone", "x", "y", TIME, TIME)
-    assert free.verdict == "pass"
+    assert free.verdict == "not judged"
+    assert ComparedValue("for comparison", 1.0, "m").verdict == "not judged"
+    assert ComparedValue("lost", math.nan, "m").verdict == "fail"
     assert math.isnan(free.error)
 
 

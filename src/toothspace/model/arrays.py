@@ -71,20 +71,23 @@ CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
 CONTACT_STATE = 10
 CONTACT_COLUMNS = 21
 
-# Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise.
+# Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise; the port area is
+# that on which inlet pressure pushes and outlet pressure pulls.
 (
     MOTION_MASS, EXTERNAL_FORCE, CLEARANCE, MOTION_RATIO, LATERAL_DRAG, PRESSURE_FORCE,
-    FILM_FORCE, CONTACT_LOAD,
-) = range(8)  # fmt: skip
-MOTION_COLUMNS = 8
+    FILM_FORCE, CONTACT_LOAD, PORT_AREA,
+) = range(9)  # fmt: skip
+MOTION_COLUMNS = 9
 
 # Columns of ``journal``; the number of loads with a friction curve and the sense of rotation of
-# a driven body are zero of others, the viscosity is over that of the fluid.
+# a driven body are zero of others, the viscosity is over that of the fluid, the carrier is what
+# holds the bearing where that moves, -1 where it does not.
 (
     MOTION_X, MOTION_Y, BEARINGS, RADIUS, LENGTH, JOURNAL_CLEARANCE, SPEED_RATIO, BUSH_X, BUSH_Y,
     BOUNDARY_FRICTION, ROTATION, FILM_MAP, FILM_X, FILM_Y, CURVES, DRIVEN_SENSE, JOURNAL_VISCOSITY,
-) = range(17)  # fmt: skip
-JOURNAL_COLUMNS = 17
+    CARRIER_X, CARRIER_Y,
+) = range(19)  # fmt: skip
+JOURNAL_COLUMNS = 19
 
 # Columns of ``friction_curves``, one row per bearing and load; the load is a logarithm.
 (

@@ -21,9 +21,7 @@ from toothspace.model.circuit_description import (
 )
 from toothspace.model.contact_data import (
     contact_parts,
-    held_by_contacts,
     loaded_contacts,
-    motion_rows,
     rigid_mesh,
 )
 from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
@@ -34,6 +32,12 @@ from toothspace.model.films import (
     lateral_torque_coefficient,
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
+from toothspace.model.free_motions import (
+    free_blocks,
+    free_motions,
+    map_of_motions,
+    motion_rows,
+)
 from toothspace.model.lateral_load import (
     SampledLoads,
     lateral_lookup,
@@ -76,7 +80,8 @@ class System:
     free_motions : tuple of int
         Positions of the free micro-motions in ``description.motions``.
     motion_map : ndarray, shape (motions, free)
-        All micro-motions from the free ones (the rigid mesh ties one rotation).
+        All micro-motions from the free ones (the rigid mesh ties one rotation); bearing blocks
+        that move have two more columns, of zeros.
     categories : tuple of PathCategory
         What the flow paths are booked under, in the order of the ledger.
     """
@@ -101,11 +106,9 @@ def assemble(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition
 ) -> System:
     """Build the arrays of a machine at a condition."""
-    free = _free_motions(description, condition)
-    mesh = rigid_mesh(description, condition)
-    motion_map = np.ascontiguousarray(np.eye(len(description.motions))[:, free])
-    if mesh:
-        motion_map[mesh.motion] = np.asarray(mesh.coefficients)[free]
+    free = free_motions(description, condition)
+    blocks = free_blocks(description, condition)
+    motion_map = map_of_motions(description, condition, free)
     paths = description.paths
     places = node_places(description, condition)
     if condition.load_area > 0.0:
@@ -130,8 +133,8 @@ def assemble(
     table = description.lateral_table
     seated = with_lateral_leakage(description, table.seat_factor) if table else description
     bush = bush_positions(seated, condition, motion_map, free)
-    journals = journal_data(description, free, bush)
-    counts = {"motions": len(free), "journals": len(journals.rows), **contacts.counts}
+    journals = journal_data(description, free, bush, blocks)
+    counts = {"motions": motion_map.shape[1], "journals": len(journals.rows), **contacts.counts}
     sizes = _sizes(description, condition, paths, counts)
     drive = _drive(description, condition, free)
     elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
@@ -178,20 +181,6 @@ def assemble(
     _join_circuit(arrays, pattern)
     moving, basis = tuple(free), _basis(arrays)
     return System(description, condition, arrays, pattern, basis, moving, motion_map, categories)
-
-
-def _free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
-    carried = {journal.body for journal in description.journals}
-    held = held_by_contacts(description, condition)
-    mesh = rigid_mesh(description, condition)
-    tied = mesh.motion if mesh else -1
-    free = []
-    for k, motion in enumerate(description.motions):
-        held_radially = motion.axis in ("x", "y") and (motion.body in carried or held[k])
-        turning = motion.axis == "rotation" and held[k]
-        if k != tied and (turning or (held_radially and condition.radial_motion)):
-            free.append(k)
-    return free
 
 
 def _sizes(
@@ -373,6 +362,8 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
         velocities = [column + size.velocity - size.position for column in moved]
         pattern[np.ix_(velocities, columns[i])] = True
+    pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, col.PORT_AREA])]
+    pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
     return pattern
 
 

@@ -7,6 +7,9 @@ films, their touching asperities and an external force:
 
     M \ddot q = \sum_i p_i \frac{\partial V_i}{\partial q} + F_{film}(e, \dot e)
         - F_{asp}(|e|)\, \frac{e}{|e|} + F_{ext}, \qquad e = q - q_{bush} .
+
+Where bearing blocks move in the housing, :math:`q_{bush}` is their own motion: they take the
+reaction of the bearings that they carry, and have a film and asperities round them.
 """
 
 from __future__ import annotations
@@ -35,6 +38,11 @@ HIGHEST_FILM_RATIO = 0.999
 FORCE, LOAD, SHEAR = 0, 1, 2
 LEAST_FORCE = 1e-3
 """Force on a journal below which its friction is that of this force. [N]"""
+
+CREEP_SPEED, LEAST_CREEP = 1e-3, 1e-6
+"""Sliding speeds over which touching surfaces turn their friction round: regularisation. [m/s]"""
+CREEP_SHARE = 0.25
+"""Most that the first of them may be of the mean sliding speed. [-]"""
 
 
 @kernel
@@ -66,34 +74,101 @@ def asperity_value(
 @kernel
 def update_film_forces(s: SystemArrays, state: Array) -> None:
     """Forces of all journal bearings on the free motions, with derivatives."""
-    journal, motion, slopes, size = s.journal, s.motion, s.film_slopes, s.size
+    journal, size = s.journal, s.size
     viscosity = s.fluid.dynamic_viscosity
     update_lateral_drag(s, state)
     for j in range(size.journals):
-        kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
-        ex = state[size.position + kx] - journal[j, col.BUSH_X]
-        ey = state[size.position + ky] - journal[j, col.BUSH_Y]
-        vx, vy = state[size.velocity + kx], state[size.velocity + ky]
-        speed, c = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.JOURNAL_CLEARANCE]
+        ex, ey = journal_place(s, state, j)
+        vx, vy = journal_velocity(s, state, j)
+        speed, c = own_speed(s, state, j), journal[j, col.JOURNAL_CLEARANCE]
         scale = journal[j, col.BEARINGS] * viscosity * journal[j, col.JOURNAL_VISCOSITY]
         scale *= journal[j, col.LENGTH] * (journal[j, col.RADIUS] / c) ** 3
         nodes = s.film.nodes[int(journal[j, col.FILM_MAP])]
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
-        journal[j, col.FILM_X], journal[j, col.FILM_Y] = force[0], force[1]
-        motion[kx, col.FILM_FORCE] += force[0]
-        motion[ky, col.FILM_FORCE] += force[1]
-        slopes[0, kx, kx] += force[2]
-        slopes[0, kx, ky] += force[3]
-        slopes[1, kx, kx] += force[4]
-        slopes[1, kx, ky] += force[5]
-        slopes[0, ky, kx] += force[6]
-        slopes[0, ky, ky] += force[7]
-        slopes[1, ky, kx] += force[8]
-        slopes[1, ky, ky] += force[9]
+        journal[j, col.FILM_X] = journal[j, col.FILM_Y] = 0.0
+        add_force(s, j, force[0], force[1])
+        add_slopes(s, j, 0, (force[2], force[3], force[6], force[7]))
+        add_slopes(s, j, 1, (force[4], force[5], force[8], force[9]))
         add_asperity_force(s, j, ex, ey)
         if journal[j, col.ROTATION] >= 0.0:
             hold_back(s, state, j, (ex, ey), force)
+
+
+@kernel
+def journal_place(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Displacement of a journal from the middle of its bearing. [m]."""
+    journal, first = s.journal[j], s.size.position
+    ex = state[first + int(journal[col.MOTION_X])] - journal[col.BUSH_X]
+    ey = state[first + int(journal[col.MOTION_Y])] - journal[col.BUSH_Y]
+    if journal[col.CARRIER_X] >= 0.0:
+        ex -= state[first + int(journal[col.CARRIER_X])]
+        ey -= state[first + int(journal[col.CARRIER_Y])]
+    return ex, ey
+
+
+@kernel
+def journal_velocity(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Velocity of a journal relative to its bearing. [m/s]."""
+    journal, first = s.journal[j], s.size.velocity
+    vx, vy = state[first + int(journal[col.MOTION_X])], state[first + int(journal[col.MOTION_Y])]
+    if journal[col.CARRIER_X] >= 0.0:
+        vx -= state[first + int(journal[col.CARRIER_X])]
+        vy -= state[first + int(journal[col.CARRIER_Y])]
+    return vx, vy
+
+
+@kernel
+def add_force(s: SystemArrays, j: int, force_x: float, force_y: float) -> None:
+    """Add a force on a journal, and its reaction on what carries the bearing. [N]."""
+    journal, motion = s.journal[j], s.motion
+    journal[col.FILM_X] += force_x
+    journal[col.FILM_Y] += force_y
+    motion[int(journal[col.MOTION_X]), col.FILM_FORCE] += force_x
+    motion[int(journal[col.MOTION_Y]), col.FILM_FORCE] += force_y
+    if journal[col.CARRIER_X] >= 0.0:
+        motion[int(journal[col.CARRIER_X]), col.FILM_FORCE] -= force_x
+        motion[int(journal[col.CARRIER_Y]), col.FILM_FORCE] -= force_y
+
+
+@kernel
+def add_slopes(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, float]) -> None:
+    """Add derivatives of a force on a journal: x by x, x by y, y by x, y by y."""
+    journal, slopes = s.journal[j], s.film_slopes[order]
+    own = int(journal[col.MOTION_X]), int(journal[col.MOTION_Y])
+    for row in range(2):
+        for column in range(2):
+            slope = by[2 * row + column]
+            slopes[own[row], own[column]] += slope
+            if journal[col.CARRIER_X] >= 0.0:
+                carrier = int(journal[col.CARRIER_X]), int(journal[col.CARRIER_Y])
+                slopes[own[row], carrier[column]] -= slope
+                slopes[carrier[row], own[column]] -= slope
+                slopes[carrier[row], carrier[column]] += slope
+
+
+@kernel
+def add_torque_slopes(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> None:
+    """Take derivatives by the place of a journal from the torque on a body that turns alone."""
+    journal = s.journal[j]
+    row = s.film_slopes[order, int(journal[col.ROTATION])]
+    row[int(journal[col.MOTION_X])] -= by_x
+    row[int(journal[col.MOTION_Y])] -= by_y
+    if journal[col.CARRIER_X] >= 0.0:
+        row[int(journal[col.CARRIER_X])] += by_x
+        row[int(journal[col.CARRIER_Y])] += by_y
+
+
+@kernel
+def add_speed_slopes(s: SystemArrays, j: int, x_by_speed: float, y_by_speed: float) -> None:
+    """Add derivatives of a force on a journal by the speed of a body that turns on its own."""
+    journal, slopes = s.journal[j], s.film_slopes[1]
+    k = int(journal[col.ROTATION])
+    slopes[int(journal[col.MOTION_X]), k] += x_by_speed
+    slopes[int(journal[col.MOTION_Y]), k] += y_by_speed
+    if journal[col.CARRIER_X] >= 0.0:
+        slopes[int(journal[col.CARRIER_X]), k] -= x_by_speed
+        slopes[int(journal[col.CARRIER_Y]), k] -= y_by_speed
 
 
 @kernel
@@ -114,9 +189,7 @@ def update_lateral_drag(s: SystemArrays, state: Array) -> None:
 @kernel
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
-    journal, motion, slopes = s.journal, s.motion, s.film_slopes
-    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
-    c = journal[j, col.JOURNAL_CLEARANCE]
+    c = s.journal[j, col.JOURNAL_CLEARANCE]
     distance = math.sqrt(ex * ex + ey * ey)
     if distance < SMALL_RATIO * c:
         return
@@ -124,14 +197,42 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     force, slope = asperity_value(s.asperity, j, FORCE, span, distance / c)
     nx, ny = ex / distance, ey / distance
     radial, tangential = slope / c, force / distance
-    motion[kx, col.FILM_FORCE] -= force * nx
-    motion[ky, col.FILM_FORCE] -= force * ny
-    journal[j, col.FILM_X] -= force * nx
-    journal[j, col.FILM_Y] -= force * ny
-    slopes[0, kx, kx] -= radial * nx * nx + tangential * ny * ny
-    slopes[0, kx, ky] -= (radial - tangential) * nx * ny
-    slopes[0, ky, kx] -= (radial - tangential) * nx * ny
-    slopes[0, ky, ky] -= radial * ny * ny + tangential * nx * nx
+    add_force(s, j, -force * nx, -force * ny)
+    xx, yy = radial * nx * nx + tangential * ny * ny, radial * ny * ny + tangential * nx * nx
+    xy = (radial - tangential) * nx * ny
+    add_slopes(s, j, 0, (-xx, -xy, -xy, -yy))
+
+
+@kernel
+def own_speed(s: SystemArrays, state: Array, j: int) -> float:
+    """Angular speed of the body in a bearing. [rad/s]."""
+    speed, k = s.journal[j, col.SPEED_RATIO] * state[1], int(s.journal[j, col.ROTATION])
+    return float(speed + state[s.size.velocity + k]) if k >= 0 else float(speed)
+
+
+@kernel
+def sliding_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    r"""Sense in which the surfaces of a bearing slide, -1 to 1, and its slope by speed. [s/rad].
+
+    Notes
+    -----
+    That of the shaft, but for a body that turns on its own with :math:`\dot q`:
+
+    .. math:: \operatorname{sgn}(i\,\omega) + \tanh\frac{i\,\omega + \dot q}{\omega_c}
+        - \tanh\frac{i\,\omega}{\omega_c}
+
+    so that friction brings it to rest, at a creeping speed :math:`\omega_c`, but never turns it
+    backwards.
+    """
+    journal = s.journal
+    mean, radius = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.RADIUS]
+    sense = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
+    if journal[j, col.ROTATION] < 0.0:
+        return sense, 0.0
+    creep = max(min(CREEP_SPEED / radius, CREEP_SHARE * abs(mean)), LEAST_CREEP / radius)
+    now = math.tanh(own_speed(s, state, j) / creep)
+    sense += now - math.tanh(mean / creep)
+    return min(max(sense, -1.0), 1.0), (1.0 - now * now) / creep
 
 
 @kernel
@@ -139,65 +240,86 @@ def hold_back(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
-    journal = s.journal
-    k, kx = int(journal[j, col.ROTATION]), int(journal[j, col.MOTION_X])
-    ky = int(journal[j, col.MOTION_Y])
+    journal, k = s.journal, int(s.journal[j, col.ROTATION])
     ex, ey = place
+    # the film is dragged along by the body's own speed
+    x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
+    y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
+    add_speed_slopes(s, j, x_by_speed, y_by_speed)
     viscous, asperity = journal_torques(s, state, j)
-    turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
-    s.motion[k, col.FILM_FORCE] -= turning * (viscous + asperity)
+    s.motion[k, col.FILM_FORCE] -= viscous + asperity
+    sense, by_speed = sliding_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
-        add_curve_slopes(s, state, j, turning)
+        add_curve_slopes(s, state, j, sense, by_speed)
         return
     c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
-    _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    growth = journal[j, col.BOUNDARY_FRICTION] * radius * by_ratio
+    load, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
+    drag = shear_drag(s, j, ratio)
+    touching = journal[j, col.BOUNDARY_FRICTION] * radius
+    growth = sense * touching * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
-        shear = viscous - turning * journal_pressure_torque(ex, ey, force[0], force[1])
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+        shear = drag * own_speed(s, state, j)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
-    growth *= turning / (c * distance)
-    slopes = s.film_slopes
-    slopes[0, k, kx] -= growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2])
-    slopes[0, k, ky] -= growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0])
-    slopes[1, k, kx] -= 0.5 * (ex * force[8] - ey * force[4])
-    slopes[1, k, ky] -= 0.5 * (ex * force[9] - ey * force[5])
+    growth *= 1.0 / (c * distance)
+    add_torque_slopes(
+        s,
+        j,
+        0,
+        growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2]),
+        growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0]),
+    )
+    add_torque_slopes(
+        s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5])
+    )
+    s.film_slopes[1, k, k] -= drag + by_speed * touching * load
+    s.film_slopes[1, k, k] -= 0.5 * (ex * y_by_speed - ey * x_by_speed)
+
+
+@kernel
+def shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
+    """Torque of viscous shear over speed of the journals of one body. [N m s/rad].
+
+    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
+    full one.
+    """
+    row = s.journal[j]
+    viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
+    shear = row[col.BEARINGS] * journal_shear_torque(
+        min(ratio, HIGHEST_FILM_RATIO),
+        1.0,
+        viscosity,
+        row[col.RADIUS],
+        row[col.LENGTH],
+        row[col.JOURNAL_CLEARANCE],
+    )
+    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    return float(shear * solved)
 
 
 @kernel
 def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
-    r"""Viscous and asperity friction torque on the journals of one body, both positive. [N m].
+    r"""Viscous and asperity friction torque on the journals of one body, against its speed. [N m].
 
     Notes
     -----
-    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
-    full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
-    :func:`curve_torques` instead.
+    :func:`shear_drag` times the speed plus :func:`journal_pressure_torque`, and boundary friction
+    of the load on asperities. A bearing with a friction curve has :func:`curve_torques` instead.
     """
-    journal, size = s.journal, s.size
+    journal = s.journal
+    sense, _ = sliding_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
         force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
-        return curve_torques(s, state, j, force)
-    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
-    ex = state[size.position + kx] - journal[j, col.BUSH_X]
-    ey = state[size.position + ky] - journal[j, col.BUSH_Y]
-    c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
-    ratio = math.sqrt(ex * ex + ey * ey) / c
-    limited = min(ratio, HIGHEST_FILM_RATIO)
-    speed = abs(journal[j, col.SPEED_RATIO] * state[1])
-    turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
-    viscosity = s.fluid.dynamic_viscosity * journal[j, col.JOURNAL_VISCOSITY]
-    shear = journal[j, col.BEARINGS] * journal_shear_torque(
-        limited, speed, viscosity, radius, journal[j, col.LENGTH], c
-    )
-    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
-    shear *= solved
-    fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
-    moment = turning * journal_pressure_torque(ex, ey, fx, fy)
+        film, boundary = curve_torques(s, state, j, force)
+        return sense * film, sense * boundary
+    ex, ey = journal_place(s, state, j)
+    ratio = math.sqrt(ex * ex + ey * ey) / journal[j, col.JOURNAL_CLEARANCE]
+    shear = shear_drag(s, j, ratio) * own_speed(s, state, j)
+    moment = journal_pressure_torque(ex, ey, journal[j, col.FILM_X], journal[j, col.FILM_Y])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    return shear + moment, journal[j, col.BOUNDARY_FRICTION] * load * radius
+    return shear + moment, sense * journal[j, col.BOUNDARY_FRICTION] * load * journal[j, col.RADIUS]
 
 
 @kernel
@@ -214,7 +336,7 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     """
     row = s.journal[j]
     radius = row[col.RADIUS]
-    speed = abs(row[col.SPEED_RATIO] * state[1])
+    speed = abs(own_speed(s, state, j))
     load, clearance = max(force, LEAST_FORCE) / row[col.BEARINGS], row[col.JOURNAL_CLEARANCE]
     viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
     number = sommerfeld_number(speed, load, viscosity, radius, row[col.LENGTH], clearance)
@@ -253,43 +375,42 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 
 
 @kernel
-def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
+def add_curve_slopes(s: SystemArrays, state: Array, j: int, sense: float, by_speed: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
-    k, kx = int(journal[j, col.ROTATION]), int(journal[j, col.MOTION_X])
-    ky = int(journal[j, col.MOTION_Y])
+    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
     fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
     force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
     step = 1e-4 * force
     film, boundary = curve_torques(s, state, j, force + step)
     less_film, less_boundary = curve_torques(s, state, j, force - step)
-    growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    growth = sense * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    k = int(journal[j, col.ROTATION])
+    slopes[1, k, k] -= by_speed * (film + boundary)
     for order in range(2):
-        for m in (kx, ky):
-            rise = (fx * slopes[order, kx, m] + fy * slopes[order, ky, m]) / force
-            slopes[order, k, m] -= growth * rise
+        rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
+        rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
+        add_torque_slopes(s, j, order, growth * rise_x, growth * rise_y)
 
 
 @kernel
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
-    journal, size = s.journal, s.size
-    total, share = 0.0, s.drive[col.DIRECTION] * s.drive[col.FADE]
+    journal = s.journal
+    total = 0.0
     s.drive[col.DRIVEN_FRICTION] = 0.0
-    for j in range(size.journals):
+    for j in range(s.size.journals):
+        ratio, rotation = journal[j, col.SPEED_RATIO], int(journal[j, col.ROTATION])
+        share = 0.0 if rotation < 0 and s.drive[col.DIRECTION] == 0.0 else s.drive[col.FADE]
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
-        ratio = abs(journal[j, col.SPEED_RATIO])
-        turning = ratio * state[1]
-        if journal[j, col.ROTATION] >= 0.0:
-            ahead = state[size.velocity + int(journal[j, col.ROTATION])]
-            turning += np.sign(journal[j, col.SPEED_RATIO]) * ahead
-        squeeze = journal[j, col.FILM_X] * state[size.velocity + int(journal[j, col.MOTION_X])]
-        squeeze += journal[j, col.FILM_Y] * state[size.velocity + int(journal[j, col.MOTION_Y])]
+        turning = own_speed(s, state, j)
+        vx, vy = journal_velocity(s, state, j)
+        squeeze = journal[j, col.FILM_X] * vx + journal[j, col.FILM_Y] * vy
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
         s.torque[JOURNAL_ASPERITY] += ratio * asperity
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
-        s.drive[col.DRIVEN_FRICTION] -= journal[j, col.DRIVEN_SENSE] * (viscous + asperity)
+        s.drive[col.DRIVEN_FRICTION] -= abs(journal[j, col.DRIVEN_SENSE]) * (viscous + asperity)
     return total

@@ -1,4 +1,4 @@
-"""Contacts and moving bodies of a description as arrays."""
+"""Contacts of a description as arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.description import MachineDescription
-from toothspace.model.films import lateral_drag
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.tables import OPEN
@@ -31,8 +30,6 @@ _LEAST_SCALE = 1e-4
 """Least length scale of the elastic law over the width of the contact. [-]"""
 _DEPTHS = np.array([1e-3, 1e-5])
 """Depths over the width of the contact at which a power follows Hertz's law. [-]"""
-_CLEARANCE = 1e-3
-"""Scale of motions without a bearing, over the cube root of the displacement. [-]"""
 
 
 @final
@@ -184,27 +181,3 @@ def _pereira_columns(
         columns[i, 1] = np.log(force[0] / force[1]) / np.log(depths[0] / depths[1])
         columns[i, 0] = np.log(force[0]) - columns[i, 1] * np.log(depths[0])
     return columns
-
-
-def motion_rows(
-    description: MachineDescription, condition: OperatingCondition, free: list[int]
-) -> Array:
-    """Mass, load and scale of every free motion."""
-    bodies = {body.name: body for body in description.bodies}
-    clearance = {journal.body: journal.radial_clearance for journal in description.journals}
-    drag = lateral_drag(description)
-    rows = np.zeros((len(free), col.MOTION_COLUMNS))
-    without_bearing = _CLEARANCE * float(np.cbrt(description.displacement))
-    for row, k in zip(rows, free, strict=True):
-        motion = description.motions[k]
-        body = bodies[motion.body]
-        row[col.CLEARANCE] = clearance.get(motion.body, without_bearing)
-        row[col.MOTION_MASS] = body.mass
-        if motion.axis == "rotation":
-            row[col.MOTION_MASS], row[col.MOTION_RATIO] = body.inertia, body.speed_ratio
-            row[col.LATERAL_DRAG] = drag[motion.body]
-            levers = [np.abs(c.gap_by_motion.values[:, k]).max() for c in description.contacts]
-            row[col.CLEARANCE] /= float(max(levers))
-        elif body.role == "shaft" and motion.axis in ("x", "y"):
-            row[col.EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
-    return rows

@@ -36,7 +36,18 @@ def motion_force(s: SystemArrays, k: int) -> float:
     """Sum of all generalised forces on a free motion. [N] or [N m]."""
     motion = s.motion
     force = motion[k, col.PRESSURE_FORCE] + motion[k, col.FILM_FORCE]
-    return force + motion[k, col.CONTACT_LOAD] + motion[k, col.EXTERNAL_FORCE]
+    return force + motion[k, col.CONTACT_LOAD] + outer_force(s, k)
+
+
+@kernel
+def outer_force(s: SystemArrays, k: int) -> float:
+    """Force from outside on a free motion: given load and port pressures on blocks. [N]."""
+    force = s.motion[k, col.EXTERNAL_FORCE]
+    if s.motion[k, col.PORT_AREA] != 0.0:
+        inlet = s.size.chambers
+        drop = s.node[inlet, col.PRESSURE] - s.node[inlet + 1, col.PRESSURE]
+        force += s.motion[k, col.PORT_AREA] * drop
+    return force
 
 
 @kernel

@@ -43,6 +43,7 @@ __all__ = [
     "ContactPair",
     "DesignCheck",
     "FlowPath",
+    "FreeBlocks",
     "LumpedJournalBearing",
     "LumpedLateralFilm",
     "MachineDescription",
@@ -170,6 +171,27 @@ class LumpedJournalBearing:
 
 @final
 @dataclass(frozen=True)
+class FreeBlocks:
+    """Bearing blocks that move together in the housing and carry the bearings of all bodies.
+
+    Parameters
+    ----------
+    mass : float
+        Mass of all blocks. [kg]
+    film : LumpedJournalBearing
+        Film and asperities between blocks and housing; does not turn.
+    port_area : float
+        Projected area on which the pressures of inlet and outlet press the blocks towards the
+        other port. [m2]
+    """
+
+    mass: float
+    film: LumpedJournalBearing
+    port_area: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
 class LumpedLateralFilm:
     """Film on the faces of one body, with a closed form for its friction.
 
@@ -267,6 +289,8 @@ class MachineDescription:
         Parts, see their classes.
     seal_torque : float
         Constant shaft seal torque. [N m]
+    free_blocks : FreeBlocks or None
+        Bearing blocks that follow their load; None: they rest.
     startup : StartupFriction or None
         Friction of the shaft at rest; None leaves it out.
     port_volumes : tuple of float
@@ -314,6 +338,7 @@ class MachineDescription:
     contacts: tuple[ContactPair, ...] = ()
     mesh: RigidMesh | None = None
     seal_torque: float = 0.0
+    free_blocks: FreeBlocks | None = None
     startup: StartupFriction | None = None
     port_volumes: tuple[float, float] = (50e-6, 50e-6)
     drain: Literal["inlet", "outlet", "external"] = "inlet"

@@ -16,7 +16,12 @@ from toothspace.closures.gap_flow import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
-from toothspace.model.description import LumpedJournalBearing, LumpedLateralFilm, MachineDescription
+from toothspace.model.description import (
+    FreeBlocks,
+    LumpedJournalBearing,
+    LumpedLateralFilm,
+    MachineDescription,
+)
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
@@ -37,16 +42,21 @@ class JournalData:
 
 
 def journal_data(
-    description: MachineDescription, free: list[int], bush: Mapping[str, tuple[float, float]]
+    description: MachineDescription,
+    free: list[int],
+    bush: Mapping[str, tuple[float, float]],
+    blocks: FreeBlocks | None = None,
 ) -> JournalData:
-    """Collect the data of the bearings whose bodies are free to move."""
-    journals = [j for j in description.journals if j.body in bush]
+    """Collect the data of the bearings whose bodies are free to move, then of moving blocks."""
+    carried = [j for j in description.journals if j.body in bush]
+    journals = [*carried, *((blocks.film,) if blocks else ())]
     maps, places = _film_maps(journals)
     bodies = {body.name: body for body in description.bodies}
     turning = ((place, description.motions[k]) for place, k in enumerate(free))
     rotations = {motion.body: place for place, motion in turning if motion.axis == "rotation"}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
-    rows = [
+    on = (len(free), len(free) + 1) if blocks else (-1, -1)
+    rows: list[tuple[float, ...]] = [
         (
             free.index(description.motion_index(j.body, "x")),
             free.index(description.motion_index(j.body, "y")),
@@ -64,9 +74,12 @@ def journal_data(
             0 if j.friction is None else len(j.friction.loads),
             np.sign(bodies[j.body].speed_ratio) if bodies[j.body].role == "driven" else 0.0,
             j.viscosity_ratio,
+            *on,
         )
-        for j, place in zip(journals, places, strict=True)
+        for j, place in zip(carried, places, strict=False)
     ]
+    if blocks:
+        rows.append(_block_row(blocks.film, len(free), places[-1]))
     return JournalData(
         rows=np.array(rows, dtype=float).reshape(len(journals), col.JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
@@ -76,6 +89,13 @@ def journal_data(
         film=maps[0]._replace(nodes=np.stack([one.nodes for one in maps])),
         curves=_friction_curves(journals),
     )
+
+
+def _block_row(film: LumpedJournalBearing, motion: int, place: int) -> tuple[float, ...]:
+    """Row of the film between bearing blocks and housing: nothing turns, nothing carries it."""
+    size = film.count, 0.5 * film.diameter, film.length, film.radial_clearance
+    at_rest = 0.0, 0.0, 0.0, film.boundary_friction, -1
+    return (motion, motion + 1, *size, *at_rest, place, 0.0, 0.0, 0, 0.0, 1.0, -1, -1)
 
 
 def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:

@@ -150,13 +150,21 @@ def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
 
 @kernel
 def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of the pressure forces on the motions with respect to all chambers' states."""
+    """Derivatives of the pressure forces on the motions by the states of chambers and ports."""
     node, values, size = s.node, s.chamber_values, s.size
     for i in range(size.chambers):
         d = s.dynamic_index[i]
         for k in range(size.motions):
             area = values[i, col.CHANNEL_MOTION + k] / s.motion[k, col.MOTION_MASS]
             matrix[size.velocity + k, size.mass + d] += area * node[i, col.PRESSURE_BY_MASS]
+    for k in range(size.motions):
+        area = s.motion[k, col.PORT_AREA] / s.motion[k, col.MOTION_MASS]
+        for port in range(2):
+            i = size.chambers + port
+            d = s.dynamic_index[i]
+            if area != 0.0 and d >= 0:
+                by_mass = (1.0 - 2.0 * port) * area * node[i, col.PRESSURE_BY_MASS]
+                matrix[size.velocity + k, size.mass + d] += by_mass
 
 
 @kernel

@@ -10,6 +10,7 @@ from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
 from toothspace.model.bodies import (
     book_journal_friction,
+    journal_place,
     update_film_forces,
     update_pressure_forces,
 )
@@ -27,6 +28,7 @@ from toothspace.model.contacts import (
     contact_gap,
     motion_force,
     note_approach,
+    outer_force,
     update_contacts,
 )
 from toothspace.model.drive import (
@@ -165,7 +167,7 @@ def book_rates(s: SystemArrays, state: Array, rate: Array) -> None:
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
     book_circuit(s, state, ledger)
     for k in range(s.size.motions):
-        ledger[RADIAL_LOAD] += s.motion[k, col.EXTERNAL_FORCE] * state[s.size.velocity + k]
+        ledger[RADIAL_LOAD] += outer_force(s, k) * state[s.size.velocity + k]
     book_shaft(s, state, ledger)
 
 
@@ -302,8 +304,7 @@ def fill_event_values(s: SystemArrays, t: float, state: Array, values: Array) ->
     for i in range(size.chambers):
         values[i] = (node[i, col.PRESSURE] - onset) / onset
     for j in range(size.journals):
-        ex = state[size.position + int(journal[j, col.MOTION_X])] - journal[j, col.BUSH_X]
-        ey = state[size.position + int(journal[j, col.MOTION_Y])] - journal[j, col.BUSH_Y]
+        ex, ey = journal_place(s, state, j)
         distance = math.sqrt(ex * ex + ey * ey)
         values[size.chambers + j] = 1.0 - distance / journal[j, col.JOURNAL_CLEARANCE]
     first = size.chambers + size.journals

@@ -206,6 +206,11 @@ def port_region(description: MachineDescription, port: str) -> Any:
     return duct.union(side).difference(_discs(description))
 
 
+def port_side(description: MachineDescription, port: str) -> float:
+    """Place of a port along x: negative on the left. [m]."""
+    return float(port_region(description, port).centroid.x)
+
+
 def _name_port(
     axes: Axes, description: MachineDescription, port: str, colour: tuple[float, ...]
 ) -> None:
@@ -213,7 +218,7 @@ def _name_port(
     casing = description.outlines["casing"]
     wall = _WALL * float(np.ptp(casing[:, 1]))
     far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
-    left = port_region(description, port).centroid.x < 0.0
+    left = port_side(description, port) < 0.0
     within = f"port_{port}" in description.outlines
     light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
     far = far + 0.5 * wall if within else far

@@ -22,6 +22,9 @@ BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 VOLUMETRIC_LIMIT = 1.001
 """Volumetric efficiency above which a warning says why it is above 1. [-]"""
 
+LEAKAGE_LIMIT = 0.5
+"""Volumetric efficiency below which a warning says so. [-]"""
+
 PULL_LIMIT = 0.05
 """Pull of a rigid mesh, over its largest push, above which a warning says so. [-]"""
 
@@ -112,7 +115,12 @@ def _numbers(solution: Solution) -> Iterator[str]:
             "More leaks back than is displaced, so that the mean flow runs backwards: the machine "
             "cannot hold this pressure at this speed. Look at the clearances."
         )
-    elif overall < 0.0:
+    elif volumetric < LEAKAGE_LIMIT:
+        yield (
+            f"Volumetric efficiency is {volumetric:.3f}, below {LEAKAGE_LIMIT:g}. Look at the "
+            "clearances, the speed, and whether the chambers fill."
+        )
+    if overall < 0.0 and not volumetric < 0.0:
         yield (
             "The shaft is driven from outside although this is a motor: friction takes more than "
             "the pressure gives. Raise the pressure difference or look at the clearances."
@@ -145,8 +153,8 @@ def _bodies(solution: Solution) -> Iterator[str]:
             yield (
                 f"The bearing blocks of {str(body).replace('_', ' ')} lean against the side away "
                 "from their mean load: they are seated once, for pressures at rest. Set "
-                "machine.mode to the way the machine runs; with oil so thick that wedges at the "
-                "teeth carry the gear, compare a run without [machine.bearing_blocks]."
+                "machine.mode to the way the machine runs, or let them follow their load, "
+                'machine.bearing_blocks.motion = "free".'
             )
 
 

@@ -262,7 +262,32 @@ def high_pass(shaft_angle: Array, signal: Array, lowest_order: float) -> tuple[A
     signal : ndarray
         Filtered signal. [unit of the signal]
     """
+    return _band(shaft_angle, signal, lowest_order, np.inf)
+
+
+def low_pass(shaft_angle: Array, signal: Array, highest_order: float) -> tuple[Array, Array]:
+    """Take high orders out of a periodic signal, as a slow sensor does.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray, shape (samples,)
+        Growing shaft angle over at least one revolution. [rad]
+    signal : ndarray, shape (samples,)
+        Signal, so often that no order above half the samples of a revolution matters. [any unit]
+    highest_order : float
+        Highest order that stays, with the mean. [events per revolution]
+
+    Returns
+    -------
+    shaft_angle, signal : ndarray
+        As of :func:`high_pass`. [rad], [unit of the signal]
+    """
+    return _band(shaft_angle, signal, 0.0, highest_order)
+
+
+def _band(shaft_angle: Array, signal: Array, lowest: float, highest: float) -> tuple[Array, Array]:
     uniform, values, revolutions = whole_revolutions(shaft_angle, signal)
     parts = np.fft.rfft(values)
-    parts[np.arange(parts.size) < lowest_order * revolutions] = 0.0
+    order = np.arange(parts.size) / revolutions
+    parts[(order < lowest) | (order > highest)] = 0.0
     return uniform, np.asarray(np.fft.irfft(parts, values.size), dtype=float)

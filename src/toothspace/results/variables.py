@@ -83,6 +83,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("journal_force", "sample body axis", "N", "Force of the journal bearings on a body"),
     ("journal_eccentricity_ratio", "sample body", "1", "Eccentricity over journal clearance"),
     ("journal_film_height", "sample journal", "m", "Smallest film height in a journal bearing"),
+    ("block_position", "sample axis", "m", "Displacement of moving bearing blocks in the housing"),
     ("seat_position", "body axis", "m", "Displacement of the bearing blocks in the housing"),
     ("lateral_gap_height", "sample body", "m", "Film height on the faces of a body"),
     ("tip_gap_height", "sample chamber", "m", "Gap at the tooth tip ahead of a chamber"),

@@ -60,11 +60,20 @@ def _place_bodies(system: System, state: Array) -> None:
         return
     force = mean_force(system.description, system.condition) @ system.motion_map
     for journal in system.arrays.journal:
+        if journal[col.CARRIER_X] >= 0.0:
+            force[int(journal[col.CARRIER_X])] += force[int(journal[col.MOTION_X])]
+            force[int(journal[col.CARRIER_Y])] += force[int(journal[col.MOTION_Y])]
+    # what carries others stands last
+    for journal in system.arrays.journal[::-1]:
         kx, ky = int(journal[col.MOTION_X]), int(journal[col.MOTION_Y])
+        x, y = journal[col.BUSH_X], journal[col.BUSH_Y]
+        if journal[col.CARRIER_X] >= 0.0:
+            x += state[size.position + int(journal[col.CARRIER_X])]
+            y += state[size.position + int(journal[col.CARRIER_Y])]
         load = max(float(np.hypot(force[kx], force[ky])), 1e-12)
         reach = _START_ECCENTRICITY * journal[col.JOURNAL_CLEARANCE]
-        state[size.position + kx] = journal[col.BUSH_X] + reach * force[kx] / load
-        state[size.position + ky] = journal[col.BUSH_Y] + reach * force[ky] / load
+        state[size.position + kx] = x + reach * force[kx] / load
+        state[size.position + ky] = y + reach * force[ky] / load
 
 
 def _turn_into_contact(system: System, state: Array, pressure: Array) -> None:

@@ -116,7 +116,9 @@ class March:
         journal = index - description.chamber_count
         if journal < self.system.arrays.size.journals:
             kind = "body_at_stop" if direction < 0 else "body_off_stop"
-            return kind, description.journals[journal].body
+            blocks = description.free_blocks
+            films = (*description.journals, *((blocks.film,) if blocks else ()))
+            return kind, films[journal].body
         contact = journal - self.system.arrays.size.journals
         size = self.system.arrays.size
         if contact == (size.compliant if size.compliant else min(size.contacts, 1)):

@@ -355,31 +355,39 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["body_position"][:, rows, 2] = found[..., 0]
         values["body_tilt"][:, rows, :2] = found[..., 1:3]
         values["face_film_height"][:, rows] = found[..., 3]
-    values |= _journal_values(system, values["body_position"], names)
+    values |= _journal_values(history, values["body_position"], names)
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
         values["contact_gap"] = _contact_gaps(history)
     return values
 
 
-def _journal_values(system: System, position: Array, names: list[str]) -> dict[str, Array]:
+def _journal_values(history: History, position: Array, names: list[str]) -> dict[str, Array]:
+    system, first = history.system, history.system.arrays.size.position
     ratio = np.zeros(position.shape[:2])
     heights = []
     seat = np.zeros((len(names), 3))
-    for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=True):
+    values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
+    for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=False):
         b, clearance = names.index(body), journal[col.JOURNAL_CLEARANCE]
-        seat[b, :2] = journal[col.BUSH_X], journal[col.BUSH_Y]
-        eccentricity = np.hypot(*(position[:, b, :2] - seat[b, :2]).T)
+        middle = journal[[col.BUSH_X, col.BUSH_Y]]
+        seat[b, :2] = middle
+        if journal[col.CARRIER_X] >= 0.0:
+            places = [first + int(journal[col.CARRIER_X]), first + int(journal[col.CARRIER_Y])]
+            moving = np.zeros((position.shape[0], 3))
+            middle = moving[:, :2] = history.states[:, places]
+            values["block_position"] = moving
+        eccentricity = np.hypot(*(position[:, b, :2] - middle).T)
         ratio[:, b] = eccentricity / clearance
         heights.append(clearance - eccentricity)
-    values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
     return values | ({"journal_film_height": np.stack(heights, axis=1)} if heights else {})
 
 
 def journal_bodies(system: System) -> list[str]:
     """Bodies in journal bearings, in the order of the bearings."""
-    motions = (system.free_motions[int(row[col.MOTION_X])] for row in system.arrays.journal)
-    return [system.description.motions[motion].body for motion in motions]
+    free, motions = system.free_motions, system.description.motions
+    places = [int(row[col.MOTION_X]) for row in system.arrays.journal]
+    return [motions[free[place]].body for place in places if place < len(free)]
 
 
 def _contact_gaps(history: History) -> Array:

@@ -14,7 +14,7 @@ from toothspace.core.types import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-Verdict = Literal["pass", "fail", "cannot be had"]
+Verdict = Literal["pass", "fail", "not judged", "cannot be had"]
 Effort = Literal["short", "full"]
 
 
@@ -72,7 +72,9 @@ class ComparedValue:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the number lies in its range."""
+        """Whether the number lies in its range; without one it is not judged."""
+        if math.isinf(self.low) and math.isinf(self.high):
+            return "fail" if math.isnan(self.ours) else "not judged"
         return "pass" if self.low <= self.ours <= self.high else "fail"
 
     @property
@@ -164,9 +166,9 @@ class ComparedCurve:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether all published points lie within the tolerance."""
+        """Whether all published points lie within the tolerance; without one it is not judged."""
         if self.published is None or math.isinf(self.tolerance):
-            return "pass"
+            return "not judged"
         return "pass" if self.error <= self.tolerance else "fail"
 
 
@@ -210,6 +212,8 @@ class Claim:
         the numbers cannot be had.
     minutes : float
         Rough duration of the full computation on one core. [min]
+    reason : str
+        Why this version does not meet it; empty where it does.
     """
 
     key: str
@@ -218,6 +222,7 @@ class Claim:
     tolerance: str
     measure: Callable[[Effort], Evidence] | None
     minutes: float = 0.2
+    reason: str = ""
 
 
 @final
@@ -244,10 +249,10 @@ class Examined:
 
     @property
     def verdict(self) -> Verdict:
-        """``pass`` if every number and curve does."""
+        """``pass`` if every number and curve that is judged does, and one is at least."""
         if self.claim.measure is None:
             return "cannot be had"
         verdicts = [value.verdict for value in self.finding.values]
         verdicts += [curve.verdict for curve in self.finding.curves]
-        passed = bool(verdicts) and all(verdict == "pass" for verdict in verdicts)
+        passed = "pass" in verdicts and "fail" not in verdicts
         return "pass" if passed and not self.trouble else "fail"

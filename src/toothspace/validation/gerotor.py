@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from toothspace import api
-from toothspace.results.ripple import spectrum
+from toothspace.results.ripple import low_pass, ripple_percent, spectrum
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import ToothForces, tooth_forces
 from toothspace.validation.claim import (
@@ -37,7 +37,15 @@ CLOSED_FORMS = ValidationSource(
 )
 
 
-_PUMP = ("gerotor_cycloidal", "operating_point.outlet_load=fixed_pressure")
+_SAMPLES = 7200
+"""Samples in a revolution: the blow with which a lobe comes into mesh lasts six of them. [-]"""
+_LOBES, _HIGHEST = 6, 10
+"""Lobes of the shaft's rotor, and the highest of their orders that a torque meter shows. [-]"""
+_PUMP = (
+    "gerotor_cycloidal",
+    "operating_point.outlet_load=fixed_pressure",
+    f"run.samples_per_revolution={_SAMPLES}",
+)
 _FILMS = ("run.fidelity=films", "run.max_revolutions=200")
 
 
@@ -150,7 +158,6 @@ def _orders(effort: Effort) -> Evidence:
 
 def _steps(effort: Effort) -> Evidence:
     """Torque as contributions are added, and that of a single contact (Fig. 14)."""
-    single = solved(*_PUMP, "machine.contact.theory=single").summary()
     values = []
     for name in _fidelities(effort):
         loss, total = _losses_of(solved(*_at(name))), _summary(name)["mean_torque_N_m"]
@@ -162,11 +169,31 @@ def _steps(effort: Effort) -> Evidence:
             within(f"{name}: added by the gaps", gaps, "N m", words, 1e-3),
             within(f"{name}: added by contacts", contact, "N m", words, 0.0, gaps),
         ]
-    ripple = "torque_ripple_percent"
-    share = float(single[ripple]) / _summary("lumped")[ripple]
+    ripples, curves = _ripples()
     words = "for the ripple all contacts must be taken into consideration"
-    text = "ripple with a single contact over that with all"
-    return Evidence((*values, within(text, share, "-", words, 1.05)))
+    for part, found in ripples.items():
+        values += [within(f"ripple {part}, {n}", r, "%", "") for n, r in found.items()]
+        text = f"ripple {part}, single contact over all"
+        values.append(within(text, found["single"] / found["all"], "-", words, 1.05))
+    return Evidence(tuple(values), curves)
+
+
+def _ripples() -> tuple[dict[str, dict[str, float]], tuple[ComparedCurve, ...]]:
+    """Ripple of the shaft torque with all contacts and with a single one, whole and low orders."""
+    low, whole = f"up to lobe order {_HIGHEST}", "of all orders"
+    found: dict[str, dict[str, float]] = {low: {}, whole: {}}
+    curves = []
+    for theory in ("all", "single"):
+        more = ("machine.contact.theory=single",) if theory == "single" else ()
+        data = solved(*_PUMP, *more).data
+        angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
+        places, smooth = low_pass(angle, torque, _HIGHEST * _LOBES)
+        found[low][theory], found[whole][theory] = ripple_percent(smooth), ripple_percent(torque)
+        pitch = places - places[0] <= 2.0 * np.pi / _LOBES
+        title, axes = f"Contacts: {theory}, {low}", ("shaft angle (deg)", "torque (N m)")
+        turned = np.degrees(places[pitch] - places[0])
+        curves.append(ComparedCurve(title, *axes, turned, smooth[pitch]))
+    return found, tuple(curves)
 
 
 def _closed_forms(effort: Effort) -> Evidence:
@@ -191,6 +218,10 @@ CLAIMS = (
         "A tooth is loaded above 1 % of the mean total force; 5 % of the turn for hand-over.",
         _teeth,
         0.3,
+        reason=(
+            "The film round the rotor holds it, and with 40 um at the tips one tooth "
+            "at a time is enough to turn it."
+        ),
     ),
     Claim(
         "gerotor_span",
@@ -198,6 +229,10 @@ CLAIMS = (
         "Fig. 15: contact spans nearly twice the angle of single-contact theory.",
         "15 %: read from words.",
         _span,
+        reason=(
+            "The film round the rotor holds it, and with 40 um at the tips one tooth "
+            "at a time is enough to turn it."
+        ),
     ),
     Claim(
         "gerotor_walls",
@@ -235,7 +270,9 @@ CLAIMS = (
         "gerotor_steps",
         SOURCE,
         "Fig. 14: torque without losses, with gaps, with contacts, and with a single contact.",
-        "Signs and order alone.",
+        "Signs and order alone. No band is published, so the ripple with a single contact must be "
+        "larger by 5 % both up to the tenth order of the lobes, which a torque meter behind a "
+        "shaft shows, and over all orders, with 7200 samples in a revolution.",
         _steps,
         0.5,
     ),

@@ -107,7 +107,7 @@ def _first_set(effort: Effort) -> Evidence:
     for side in dict.fromkeys(sides.tolist()):
         mean = gaps[:, sides == side].mean(axis=1)
         values += [
-            within(f"{side} side: film at point {k + 1}", film, "um", shown, 0.0)
+            within(f"{side} side: film at point {k + 1}", film, "um", shown)
             for k, film in enumerate(mean)
         ]
     return Evidence(tuple(values), _curves(study), study.dataset())
@@ -220,6 +220,10 @@ CLAIMS = (
         "A move counts from 0.05 um on.",
         _nose_pressure,
         15.0,
+        reason=(
+            "Friction of the casing holds the bearing at OC2 and not at OC1; between "
+            "them speed decides."
+        ),
     ),
     Claim(
         "fuel_pump_loop_numbers",

@@ -9,14 +9,21 @@ import numpy as np
 from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.types import Array
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
+from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.gearing.meshing import lens_angle
-from toothspace.geometry.curve import polar
+from toothspace.geometry.curve import polar, signed_area
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.shared_bearings import gear_on_shaft, shaft_bearings
-from toothspace.model.description import Body, LumpedJournalBearing
+from toothspace.machines.shared_bearings import (
+    BEARINGS,
+    CORRELATION_LENGTH,
+    gear_on_shaft,
+    shaft_bearings,
+)
+from toothspace.model.description import Body, FreeBlocks, LumpedJournalBearing
 
 BODIES = ("drive_gear", "driven_gear")
+BLOCKS = "bearing_blocks"
 MOTIONS = mesh_motions(BODIES)
 """Micro-motions; the drive gear's rotation is the shaft angle."""
 
@@ -49,7 +56,7 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
     """Journal bearings of both gears."""
     spec = assembly.spec
     bearing, blocks = spec.keys.journal_bearings, spec.keys.bearing_blocks
-    seat = 0.0 if blocks is None else blocks.radial_clearance
+    seat = 0.0 if blocks is None or blocks.motion == "free" else blocks.radial_clearance
     return tuple(
         replace(
             shaft_bearings(name, bearing, gear.material, spec.bush, seat),
@@ -57,6 +64,30 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
         )
         for name, gear in zip(BODIES, (spec.drive, spec.driven), strict=True)
     )
+
+
+def free_blocks(assembly: Assembly) -> FreeBlocks | None:
+    """Bearing blocks that follow their load, one piece of both bearings on each side."""
+    keys, tip_radius = assembly.spec.keys, max(tooth.tip_radius for tooth in assembly.teeth)
+    blocks, bearing = keys.bearing_blocks, keys.journal_bearings
+    if blocks is None or blocks.motion == "seated":
+        return None
+    material = library_material(blocks.material, "bearing_blocks.material")
+    section = abs(signed_area(_figure_eight(assembly))) - 0.5 * np.pi * bearing.diameter**2
+    film = LumpedJournalBearing(
+        body=BLOCKS,
+        count=len(BODIES) * BEARINGS,
+        diameter=2.0 * (tip_radius + keys.casing.radial_clearance),
+        length=bearing.length,
+        radial_clearance=blocks.radial_clearance,
+        roughness=blocks.roughness,
+        correlation_length=CORRELATION_LENGTH,
+        effective_modulus=reduced_modulus(material, material),
+        hardness=material.hardness,
+        boundary_friction=0.0,
+    )
+    mass = BEARINGS * section * bearing.length * material.density
+    return FreeBlocks(mass, film, blocks.port_area or 0.0)
 
 
 def outlines(assembly: Assembly) -> dict[str, Array]:

@@ -231,6 +231,34 @@ class BearingBlockParameters(KeyTable):
     radial_clearance: float = quantity(
         "um", "Radial clearance of the blocks in the housing.", low=0, high=500
     )
+    motion: str = choice(
+        "Rest where the mean load at rest presses them, or follow the load in time.",
+        "seated",
+        "free",
+        default="seated",
+    )
+    port_area: float | None = quantity(
+        "mm^2",
+        "Of free blocks: projected area on which port pressures press them towards the other port; "
+        "default 0.",
+        low=0,
+        high=1e5,
+        default=None,
+    )
+    roughness: float = quantity(
+        "um",
+        "Of free blocks: combined roughness with the housing.",
+        low=0.01,
+        high=10,
+        default=1e-6,
+    )
+    material: str = text("Of free blocks: material from the library.", default="AlSi")
+
+    def __post_init__(self) -> None:
+        if self.motion == "seated":
+            forbid(self, "with seated blocks", "port_area")
+        elif self.radial_clearance == 0.0:
+            raise KeyRuleError("radial_clearance", "0 um", "above 0 um of free blocks")
 
 
 @final

@@ -26,7 +26,11 @@ from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_bearings import require_rim, require_shaft_below
+from toothspace.machines.shared_bearings import (
+    bearing_checks,
+    require_rim,
+    require_shaft_below,
+)
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
@@ -57,7 +61,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     require_shaft_below("machine.rotors.shaft_diameter", shaft, float(near.min()))
     ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
-    checks = design_checks(spec, pocket, timing)
+    journals = journal_bearings(spec)
+    checks = (*design_checks(spec, pocket, timing, ports), *bearing_checks(journals))
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
     family, film = _families(spec, pocket, columns)
@@ -77,7 +82,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         motions=motions(spec),
         families=(fed, film),
         paths=flow_paths(spec, pocket, timing, columns),
-        journals=journal_bearings(spec),
+        journals=journals,
         laterals=lateral_films(spec, pocket),
         shared_faces=None if walls else shared_faces(spec, pocket, ports, family),
         contacts=contacts,

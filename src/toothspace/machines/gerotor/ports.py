@@ -93,6 +93,11 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
             f"machine.ports.inner_radius: found {inner * 1e3:.5g} mm, allowed below "
             f"{outer * 1e3:.5g} mm"
         )
+    if outer >= rim_radius:
+        raise GeometryError(
+            f"machine.ports.outer_radius: found {outer * 1e3:.5g} mm, allowed below "
+            f"{rim_radius * 1e3:.5g} mm, the radius of the outer rotor"
+        )
     width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
     slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:

@@ -1,0 +1,103 @@
+"""Bearing blocks that follow their load: reaction, balance, place, and what presses them."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toothspace as ts
+from tests.iteration_matrices import assert_iteration_agrees
+from tests.reference_formulas.full_jacobian import jacobian
+from toothspace.api import fluid_of
+from toothspace.core.errors import CaseError
+from toothspace.model.assembly import System, assemble
+from toothspace.model.system import right_hand_side
+from toothspace.results.solution import Solution
+from toothspace.simulation.setup import condition_of
+from toothspace.solver.cyclic import RunPlan, march_revolutions
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+FREE = "machine.bearing_blocks.motion=free"
+CLEARANCE = 25e-6
+
+
+@cache
+def steady(*overrides: str) -> Solution:
+    return ts.simulate(ts.load_case(CASES / "egm12_motor.toml", overrides))
+
+
+@cache
+def pump() -> System:
+    """Blocks pressed by the ports of a pump that works against an orifice."""
+    case = ts.load_case(
+        CASES / "egm12_pump.toml", (FREE, "machine.bearing_blocks.port_area=5 mm^2")
+    )
+    description = ts.describe(case)
+    return assemble(description, fluid_of(case), condition_of(case, description))
+
+
+def test_jacobian_is_the_derivative_of_the_rates() -> None:
+    system = pump()
+    arrays, size = system.arrays, system.arrays.size
+    state = march_revolutions(system, RunPlan(revolutions=1, samples_per_revolution=36)).states[17]
+    matrix = np.zeros((size.total, size.core))
+    jacobian(0.0, state, arrays, matrix)
+    assert_iteration_agrees(system, state)
+    up, down = np.zeros(size.total), np.zeros(size.total)
+    for column in range(size.position, size.column):
+        step = 1e-12 if column < size.velocity else 1e-9
+        for sign, rate in ((1.0, up), (-1.0, down)):
+            moved = state.copy()
+            moved[column] += sign * step
+            right_hand_side(0.0, moved, arrays, rate)
+        expected = ((up - down) / (2.0 * step))[: size.core]
+        assert np.abs(matrix[: size.core, column] - expected).max() < 2e-3 * np.abs(expected).max()
+
+
+def test_film_of_the_blocks_carries_what_both_gears_press() -> None:
+    """Without inertia the forces on blocks and gears cancel, as those of both bearings do."""
+    data = steady(FREE).data
+    load = -data["journal_force"].mean("shaft_angle").sum("body").values[:2]
+    place = data["block_position"].mean("shaft_angle").values[:2]
+    assert load[0] > 4000.0
+    assert place / np.hypot(*place) == pytest.approx(load / np.hypot(*load), abs=0.01)
+    assert 0.85 * CLEARANCE < np.hypot(*place) < CLEARANCE
+
+
+def test_mass_and_energy_close() -> None:
+    numbers = steady(FREE).summary()
+    assert numbers["mass_balance_error"] < 1e-8
+    assert numbers["energy_balance_error"] < 1e-5
+
+
+def test_bores_of_one_block_move_together() -> None:
+    """Seats of two gears lie 12 um apart along the line of centres, those of a block do not."""
+    gaps = [
+        float(steady(*more).data["body_position"].mean("shaft_angle").diff("body").sel(axis="y")[0])
+        for more in ((), (FREE,))
+    ]
+    assert gaps[0] - gaps[1] == pytest.approx(12e-6, abs=2e-6)
+
+
+def test_ports_press_the_blocks_to_the_low_pressure_side() -> None:
+    """Thick oil at the tips lifts them off; 1000 mm2 at 24 bar, 2.4 kN, hold them down."""
+    runs = [
+        ts.simulate(ts.load_case(CASES / "startup_cold.toml", ('circuit.duration="4 s"', *more)))
+        for more in ((), ("machine.bearing_blocks.port_area=1000 mm^2",))
+    ]
+    lifted, held = (float(run.data["block_position"].sel(axis="x")[-1]) for run in runs)
+    assert 0.3 * CLEARANCE < lifted < 0.5 * CLEARANCE
+    assert held > 0.85 * CLEARANCE
+    assert not any("lean" in run.provenance.get("warnings", "") for run in runs)
+
+
+def test_keys_of_free_blocks_are_refused_on_a_seat() -> None:
+    with pytest.raises(CaseError, match="port_area"):
+        ts.load_case(CASES / "egm12_motor.toml", ("machine.bearing_blocks.port_area=5 mm^2",))
+    with pytest.raises(CaseError, match="radial_clearance"):
+        ts.load_case(
+            CASES / "egm12_motor.toml", (FREE, "machine.bearing_blocks.radial_clearance=0 um")
+        )
