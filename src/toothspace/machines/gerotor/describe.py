@@ -26,11 +26,7 @@ from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_bearings import (
-    bearing_checks,
-    require_rim,
-    require_shaft_below,
-)
+from toothspace.machines.shared_bearings import bearing_checks, require_rim, require_shaft_below
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
