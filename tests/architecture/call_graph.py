@@ -20,6 +20,9 @@ Definition = tuple[str, str]
 BODY = "<module>"
 """What a module runs when it is imported."""
 
+MACHINE_PARTS = {"parameters", "export", "case_draft", "designs"}
+"""Modules of a machine type that are found by their name."""
+
 EXTENSIONS = "numba.extending"
 """Module whose decorators tell the compiler what a function or class is for."""
 
@@ -217,7 +220,7 @@ def entry_points(graph: CallGraph) -> list[Definition]:
         if any(_is_main(statement) for statement in own.tree.body):
             found.append((module, BODY))
         if parts[:2] == ["toothspace", "machines"] and (
-            len(parts) == 3 or (len(parts) == 4 and parts[3] in {"parameters", "export"})
+            len(parts) == 3 or (len(parts) == 4 and parts[3] in MACHINE_PARTS)
         ):
             found += graph.public(module)
     return found

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,7 +13,7 @@ from toothspace.cli import output
 from toothspace.cli.options import CaseFile, Force, Json, Overrides, load, named, read_quantity
 from toothspace.core.errors import CaseError
 from toothspace.core.files import require_writable
-from toothspace.core.registry import machine_modules
+from toothspace.core.registry import machine_type_names, optional_part
 
 if TYPE_CHECKING:
     from toothspace.case import Case
@@ -96,14 +94,13 @@ def _put(folder: Path, option: str, force: bool, write: Callable[[Path], object]
 
 
 def _export(case: Case, suffix: str, *, force: bool) -> None:
-    exports = {name: f"{package}.export" for name, package in machine_modules().items()}
-    module = exports[case.machine_type]
-    if find_spec(module) is None:
-        allowed = ", ".join(sorted(name for name, one in exports.items() if find_spec(one)))
+    part = optional_part(case.machine_type, "export")
+    if part is None:
+        allowed = ", ".join(n for n in machine_type_names() if optional_part(n, "export"))
         raise CaseError(f"--export: found machine type {case.machine_type!r}, allowed {allowed}")
 
     def write(place: Path) -> None:
-        import_module(module).export_profiles(case.machine_spec, place / case.name, suffix)
+        part.export_profiles(case.machine_spec, place / case.name, suffix)
 
     for path in _put(Path(), "--export", force, write):
         output.message(f"Profile: {path}")

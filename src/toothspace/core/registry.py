@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -33,11 +34,27 @@ def machine_type(name: str) -> Any:
     raise CaseError(f"machine.type: found {name!r}, allowed {allowed}")
 
 
+def optional_part(name: str, part: str) -> Any:
+    """Return the module of a machine type that not all have, None without.
+
+    Parameters
+    ----------
+    name : str
+        Machine type.
+    part : str
+        ``export`` with a function ``export_profiles``, ``case_draft`` with ``draft_case`` or
+        ``designs`` with ``evaluate_designs``.
+    """
+    module = f"{machine_modules()[name]}.{part}"
+    return import_module(module) if find_spec(module) else None
+
+
 @cache
 def machine_modules() -> dict[str, str]:
     """Return the package that provides each machine type, by name.
 
-    The package holds a module ``parameters`` with the class ``PARAMETERS`` of its case keys.
+    The package holds a module ``parameters`` with the class ``PARAMETERS`` of its case keys, and
+    the modules of :func:`optional_part`.
     """
     folder = Path(__file__).resolve().parent.parent / "machines"
     built_in = {

@@ -9,17 +9,9 @@ import numpy as np
 
 from toothspace.closures.contact_law import hertz_scale, logarithmic_law
 from toothspace.core.types import Array
+from toothspace.gearing import meshing
 from toothspace.gearing.materials import Material, reduced_modulus
 from toothspace.gearing.mesh_split import Throats
-from toothspace.gearing.meshing import (
-    MeshedGears,
-    flank_geometry,
-    gap_by_motion,
-    load_share,
-    loaded_throats,
-    rigid_contact,
-    slip_by_motion,
-)
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.spaces import Spaces
 from toothspace.model.description import ContactPair, Motion, RigidMesh
@@ -64,15 +56,15 @@ def mesh_motions(bodies: tuple[str, str]) -> tuple[Motion, ...]:
 
 
 def flank_contacts(
-    gears: MeshedGears, flanks: FlankPair, numbering: Numbering, spaces: Spaces
+    gears: meshing.MeshedGears, flanks: FlankPair, numbering: Numbering, spaces: Spaces
 ) -> tuple[ContactPair, ContactPair]:
     """Contacts of the loaded and of the unloaded flanks over the angle of the drive spaces."""
-    loaded = loaded_throats(gears, spaces)
+    loaded = meshing.loaded_throats(gears, spaces)
     other = spaces.right if loaded is spaces.left else spaces.left
     stiffness = tooth_stiffness(gears, flanks) * gears.face_width
 
     def contact(name: str, side: Throats, share: Array) -> ContactPair:
-        geometry = flank_geometry(gears, side, share)
+        geometry = meshing.flank_geometry(gears, side, share)
         return ContactPair(
             name=name,
             body_a=flanks.bodies[0],
@@ -80,8 +72,8 @@ def flank_contacts(
             angle_ratio=1.0,
             phases=numbering.space_phases[0],
             geometry=geometry,
-            gap_by_motion=monotone_table(FULL_TURN, gap_by_motion(gears, side)),
-            slip_by_motion=monotone_table(FULL_TURN, slip_by_motion(gears, side)),
+            gap_by_motion=monotone_table(FULL_TURN, meshing.gap_by_motion(gears, side)),
+            slip_by_motion=monotone_table(FULL_TURN, meshing.slip_by_motion(gears, side)),
             width=gears.face_width,
             effective_modulus=reduced_modulus(*flanks.materials),
             roughness=float(np.hypot(*flanks.roughness)),
@@ -93,17 +85,17 @@ def flank_contacts(
         )
 
     return (
-        contact("drive_flank", loaded, load_share(gears, spaces.angles)),
+        contact("drive_flank", loaded, meshing.load_share(gears, spaces.angles)),
         contact("coast_flank", other, np.zeros(spaces.angles.size)),
     )
 
 
-def _half_tooth(gears: MeshedGears) -> float:
+def _half_tooth(gears: meshing.MeshedGears) -> float:
     """Half thickness of a tooth on the pitch circle: how deep contact deformation counts. [m]."""
     return 0.5 * gears.mesh.half_pitch * gears.mesh.pitch_radii[0]
 
 
-def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
+def tooth_stiffness(gears: meshing.MeshedGears, flanks: FlankPair) -> float:
     r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
 
     Returns
@@ -156,8 +148,8 @@ def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, fl
     return constant + linear + 0.00529 * x1**2 + 0.00182 * x2**2
 
 
-def rigid_mesh(gears: MeshedGears) -> RigidMesh:
+def rigid_mesh(gears: meshing.MeshedGears) -> RigidMesh:
     """Rotation of the driven gear that keeps the loaded flanks touching."""
-    normal, lever = rigid_contact(gears)
+    normal, lever = meshing.rigid_contact(gears)
     coefficients = np.append(np.concatenate([normal, -normal]) / lever, 0.0)
     return RigidMesh("drive_flank", coefficients.size - 1, coefficients, lever)

@@ -243,12 +243,12 @@ class InternalPair(InvolutePair[float]):
     @property
     def _rolls(self) -> tuple[float, float, float, float]:
         """Roll lengths of the pinion's flank at ring tip, own fillet, own tip, ring's fillet."""
-        ring, own = self.ring.base_radius, self.pinion.base_radius
+        pinion, space = self.pinion, self.ring.space
         return (
-            _roll(ring, self.ring.tip_radius) - self.roll_offset,
-            _roll(own, self.pinion_form.form_radius),
-            _roll(own, self.pinion_form.tip_form_radius),
-            _roll(ring, self.ring.form.tip_form_radius) - self.roll_offset,
+            space.roll_length(self.ring.tip_radius) - self.roll_offset,
+            pinion.roll_length(self.pinion_form.form_radius),
+            pinion.roll_length(self.pinion_form.tip_form_radius),
+            space.roll_length(self.ring.form.tip_form_radius) - self.roll_offset,
         )
 
     @property
@@ -266,10 +266,6 @@ class InternalPair(InvolutePair[float]):
         """
         ring_tip, fillet, own_tip, ring_fillet = self._rolls
         return ring_tip - fillet, ring_fillet - own_tip
-
-
-def _roll(base: float, radius: float) -> float:
-    return float(np.sqrt(max(radius**2 - base**2, 0.0)))
 
 
 def _tight_involute(pinion: InvoluteGear, ring: RingGear) -> float:

@@ -10,15 +10,9 @@ import numpy as np
 
 from toothspace.closures.gap_flow import ring_sector_gap
 from toothspace.core.types import Array
+from toothspace.gearing import meshing
 from toothspace.gearing.chamber_paths import ChamberPaths
 from toothspace.gearing.mesh_split import Throats
-from toothspace.gearing.meshing import (
-    MeshedGears,
-    gap_by_motion,
-    relative_radius,
-    throat_drag,
-    throat_width,
-)
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import port_lengths
 from toothspace.gearing.spaces import Spaces, area_by_motion, section_areas
@@ -46,7 +40,7 @@ _GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
 
 
 def flank_paths(
-    gears: MeshedGears,
+    gears: meshing.MeshedGears,
     numbering: Numbering,
     spaces: Spaces,
     tip_rounding: float,
@@ -66,8 +60,8 @@ def flank_paths(
 
     def path(name: str, side: Throats, *, leading: bool) -> FlowPath:
         met = np.mod(numbering.met_spaces - (1 if leading else 0), gears.counts[1])
-        radius = relative_radius(gears.mesh, side, tip_rounding)
-        geometry = np.column_stack([side.gap, throat_width(gears, side), radius])
+        radius = meshing.relative_radius(gears.mesh, side, tip_rounding)
+        geometry = np.column_stack([side.gap, meshing.throat_width(gears, side), radius])
         return FlowPath(
             name=name,
             category=FLANK,
@@ -77,8 +71,8 @@ def flank_paths(
             angle_ratio=1.0,
             phases=numbering.space_phases[0],
             geometry=monotone_table(FULL_TURN, geometry),
-            height_by_motion=monotone_table(FULL_TURN, gap_by_motion(gears, side)),
-            drag_speed=monotone_table(FULL_TURN, throat_drag(gears, side, leading=leading)),
+            height_by_motion=monotone_table(FULL_TURN, meshing.gap_by_motion(gears, side)),
+            drag_speed=monotone_table(FULL_TURN, meshing.throat_drag(gears, side, leading=leading)),
             partner_shift=numbering.partner_shift,
             minimum_height=_PEAKS * sum(roughness),
         )
@@ -108,7 +102,7 @@ class ToothSpaces:
         Face width of the gear. [m]
     """
 
-    gears: MeshedGears
+    gears: meshing.MeshedGears
     numbering: Numbering
     spaces: Spaces
     label: str

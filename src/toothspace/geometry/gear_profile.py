@@ -11,6 +11,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.geometry.curve import polar, turned_copies
+from toothspace.geometry.involute_gear import Real, plain
 
 
 @final
@@ -50,9 +51,9 @@ class InvoluteFlank:
         """Pressure angle of the flank at a radius of at least the base radius [rad]."""
         return float(np.arccos(self.base_radius / reference_radius))
 
-    def roll_length(self, radius: float) -> float:
+    def roll_length(self, radius: Real) -> Real:
         """Length of the tangent from the base circle to the flank at a radius [m]."""
-        return float(np.sqrt(max(radius**2 - self.base_radius**2, 0.0)))
+        return plain(np.sqrt(np.maximum(radius**2 - self.base_radius**2, 0.0)))
 
     def curve(self, outer: float) -> Callable[[Array], Array]:
         """Points from a radius inwards to the form radius over 0 to 1, even in roll length. [m]."""

@@ -275,8 +275,7 @@ def distance_from_involute(
         Roll length, 0 inside the base circle, and distance, positive for excess material. [m]
     """
     unknowns = np.array([flank.base_radius, flank.base_half_angle, flank.base_half_angle])
-    roll = np.sqrt(np.maximum(radius**2 - flank.base_radius**2, 0.0))
-    return roll, _distance(radius, angle, unknowns, LEFT)
+    return flank.roll_length(radius), _distance(radius, angle, unknowns, LEFT)
 
 
 def _first_guess(sides: dict[float, FlankPoints], low: float, high: float) -> Array:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyRuleError
-from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.core.registry import machine_type_names, optional_part
 
 if TYPE_CHECKING:
     from toothspace.core.types import Array
@@ -45,14 +45,14 @@ def evaluate_designs(
     CaseError
         If the machine has no closed form, or a key does not act on its kinematics.
     """
-    evaluate = machine_type(name).evaluate_designs if name else None
-    if evaluate is None:
-        able = [repr(one) for one in machine_type_names() if machine_type(one).evaluate_designs]
+    part = optional_part(name, "designs") if name else None
+    if part is None:
+        able = [repr(one) for one in machine_type_names() if optional_part(one, "designs")]
         found = repr(name) if name else "no machine"
         raise CaseError(f"{label}: machine.type: found {found}, allowed {' or '.join(able)}")
     inner = {path.removeprefix("machine."): values for path, values in varied.items()}
     try:
-        evaluated: EvaluatedDesigns = evaluate(machine, inner, addendum, displacement)
+        evaluated: EvaluatedDesigns = part.evaluate_designs(machine, inner, addendum, displacement)
     except KeyRuleError as error:
         raise CaseError(f"{label}: machine.{error}") from error
     return evaluated

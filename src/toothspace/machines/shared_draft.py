@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from toothspace.core.errors import CaseError
-from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.core.registry import machine_type_names, optional_part
 
 if TYPE_CHECKING:
     # reading solids loads most of SciPy, which a run does without
@@ -38,8 +38,8 @@ def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder
     CaseError
         If no machine type finds its parts.
     """
-    types = [machine_type(name) for name in machine_type_names()]
-    drafts = [one.draft(files, unit, request, folder) for one in types if one.draft is not None]
+    parts = [optional_part(name, "case_draft") for name in machine_type_names()]
+    drafts = [part.draft_case(files, unit, request, folder) for part in parts if part is not None]
     found = [draft for draft in drafts if draft is not None]
     if not found:
         raise CaseError(f"{files[0]}: --case: found no machine, allowed gears or rotors of one")

@@ -21,7 +21,7 @@ from toothspace.core.keys import (
 from toothspace.model.description import MachineDescription
 
 if TYPE_CHECKING:
-    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
+    pass
 
 DEFAULT_NODES = 720
 """About how many table nodes stand on one turn."""
@@ -91,18 +91,10 @@ class MachineType:
     describe : callable
         From the definition of a machine, and optionally about how many table nodes on a turn, to
         its description; ``GeometryError`` if it cannot be built.
-    draft : callable or None
-        From CAD files, the name of their unit, the wanted section and the folder of the case file
-        to a :class:`CaseDraft`, or None where they hold no such machine.
-    evaluate_designs : callable or None
-        From ``[machine]``, arrays of varied values by key path, a common addendum and a common
-        displacement (None for those given) to the kinematics of many designs.
     """
 
     name: str
     describe: Callable[..., MachineDescription]
-    draft: Callable[..., CaseDraft | None] | None = None
-    evaluate_designs: Callable[..., EvaluatedDesigns] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,11 +19,7 @@ from toothspace.model.circuit_description import (
     coupling_states,
     drive_row,
 )
-from toothspace.model.contact_data import (
-    contact_parts,
-    loaded_contacts,
-    rigid_mesh,
-)
+from toothspace.model.contact_data import contact_parts, loaded_contacts, rigid_mesh
 from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
 from toothspace.model.films import (
     journal_data,
@@ -32,12 +28,7 @@ from toothspace.model.films import (
     lateral_torque_coefficient,
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
-from toothspace.model.free_motions import (
-    free_blocks,
-    free_motions,
-    map_of_motions,
-    motion_rows,
-)
+from toothspace.model.free_motions import free_blocks, free_motions, map_of_motions, motion_rows
 from toothspace.model.lateral_load import (
     SampledLoads,
     lateral_lookup,

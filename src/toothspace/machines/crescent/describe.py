@@ -18,11 +18,7 @@ from toothspace.machines.crescent.loads import (
     outlines,
 )
 from toothspace.machines.crescent.parameters import CrescentParameters
-from toothspace.machines.crescent.summary import (
-    closing_play,
-    design_checks,
-    geometry_summary,
-)
+from toothspace.machines.crescent.summary import closing_play, design_checks, geometry_summary
 from toothspace.machines.shared_bearings import bearing_checks
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription

@@ -8,15 +8,8 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.gearing import meshing
 from toothspace.gearing.mesh_split import Mesh
-from toothspace.gearing.meshing import (
-    LARGEST_OVERLAP,
-    MeshedGears,
-    in_contact,
-    mesh_at_distance,
-    overlap_error,
-    smallest_gap,
-)
 from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.gear_pair import (
     GearPair,
@@ -36,7 +29,7 @@ _DEEP_OVERLAP = 2e-5
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Assembly(MeshedGears):
+class Assembly(meshing.MeshedGears):
     """Two gears in mesh with the loaded flanks in contact.
 
     Parameters
@@ -102,7 +95,7 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     return Assembly(
         teeth=teeth,
         root_radii=(profiles[0].root_radius, profiles[1].root_radius),
-        mesh=in_contact(teeth, mesh, loaded_is_left),
+        mesh=meshing.in_contact(teeth, mesh, loaded_is_left),
         face_width=min(spec.drive.face_width, spec.driven.face_width),
         loaded_is_left=loaded_is_left,
         pair=pair,
@@ -156,7 +149,7 @@ def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearP
 
 def _play(teeth: tuple[Tooth, Tooth], distance: float) -> float:
     mesh = _centred_mesh(teeth, distance)
-    left, right = (smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
+    left, right = (meshing.smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
     return left + right
 
 
@@ -168,7 +161,7 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
             f"machine.gears.center_distance: found {distance * 1e3:.5g} mm, allowed below "
             f"{reach * 1e3:.5g} mm (the tip circles must overlap)"
         )
-    return mesh_at_distance(teeth, distance)
+    return meshing.mesh_at_distance(teeth, distance)
 
 
 def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> None:
@@ -179,10 +172,10 @@ def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> N
     ]
     gear, room = min(tips, key=lambda pair: pair[1])
     play = normal_play(profiles, distance)
-    if room < -LARGEST_OVERLAP and room <= play:
+    if room < -meshing.LARGEST_OVERLAP and room <= play:
         raise GeometryError(
             f"machine.gears.center_distance: found {distance * 1e3:.5g} mm: the mating tip reaches "
             f"{-room * 1e3:.4g} mm into the {gear} gear's root, allowed a positive root clearance"
         )
     if play < -_DEEP_OVERLAP:
-        raise overlap_error(distance, -play)
+        raise meshing.overlap_error(distance, -play)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
@@ -26,11 +24,8 @@ from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.machines.shared_bearings import bearing_checks
-from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
+from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
-
-if TYPE_CHECKING:
-    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -102,19 +97,5 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     )
 
 
-def _draft(*given: Any) -> CaseDraft | None:
-    # with what reads CAD files
-    from toothspace.machines.external_gear.case_draft import draft_case
-
-    return draft_case(*given)
-
-
-def _designs(*given: Any) -> EvaluatedDesigns:
-    # arrays of gears, which a run does not need
-    from toothspace.machines.external_gear.designs import evaluate_designs
-
-    return evaluate_designs(*given)
-
-
-MACHINE = MachineType("external_gear", describe, _draft, _designs)
+MACHINE = MachineType("external_gear", describe)
 """The machine type found through the entry point."""

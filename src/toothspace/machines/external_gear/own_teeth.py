@@ -183,7 +183,7 @@ def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
     count, given = profile.tooth_count, gear.deviations
     height = np.zeros((2, count, len(radius)))
     if given is not None and profile.involute is not None:
-        roll = np.sqrt(np.maximum(radius**2 - profile.involute.base_radius**2, 0.0))
+        roll = profile.involute.roll_length(radius)
         for side, rows in enumerate((given.left, given.right)):
             height[side] = [np.interp(roll, given.roll_length, row) for row in rows]
     step = np.hypot(*np.diff(outline, axis=0).T)

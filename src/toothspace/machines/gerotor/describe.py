@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -27,12 +26,8 @@ from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_bearings import (
-    bearing_checks,
-    require_rim,
-    require_shaft_below,
-)
-from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
+from toothspace.machines.shared_bearings import bearing_checks, require_rim, require_shaft_below
+from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
@@ -125,12 +120,5 @@ def _families(
     return of_pockets, film
 
 
-def _draft(*given: Any) -> CaseDraft | None:
-    # with what reads CAD files
-    from toothspace.machines.gerotor.case_draft import draft_case
-
-    return draft_case(*given)
-
-
-MACHINE = MachineType("gerotor", describe, _draft)
+MACHINE = MachineType("gerotor", describe)
 """The machine type found through the entry point."""
