@@ -457,8 +457,15 @@ def evaluate_designs(
     >>> designs["flow_ripple_percent"].round(1).tolist()
     [19.6, 16.7, 14.5]
     """
+    if not isinstance(values, Mapping):
+        raise CaseError(f"values: found {reprlib.repr(values)}, allowed a table of keys and arrays")
     arrays = {path: _in_si(raw) for path, raw in values.items()}
-    shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError as error:
+        found = ", ".join(f"{path} {array.shape}" for path, array in arrays.items())
+        allowed = "shapes that go together"
+        raise CaseError(f"values: found arrays of shapes {found}, allowed {allowed}") from error
     rows = {path: np.broadcast_to(array, shape).ravel() for path, array in arrays.items()}
     volume = None
     if displacement is not None:

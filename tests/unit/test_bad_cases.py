@@ -280,6 +280,8 @@ def test_missing_file_and_directory(tmp_path: Path, capsys: pytest.CaptureFixtur
     output = tmp_path / "out.nc"
     assert "No such file" in complaint(capsys, tmp_path / "absent.toml", output)
     assert "a directory" in complaint(capsys, tmp_path, output)
+    assert "a drawing, which 'toothspace gear'" in complaint(capsys, tmp_path / "gear.STEP", output)
+    assert "a result, which 'toothspace report'" in complaint(capsys, tmp_path / "run.nc", output)
     elsewhere = complaint(capsys, tmp_path / "cases" / "egm12_pump.toml", output)
     assert elsewhere.endswith("or egm12_pump, the shipped case")
     (tmp_path / "own.toml").write_text('base = "egm12_pump.toml"\ntitle = "x"\n')

@@ -106,12 +106,22 @@ def _read_text(path: Path, label: str) -> str:
     allowed = "an existing TOML file"
     if _is_shipped(path):
         allowed += f", or {path.stem}, the shipped case"
+    other = _OTHER_FILES.get(path.suffix.lower())
+    if other is not None:
+        raise CaseError(f"{place}: found {other}, allowed {allowed}")
     content = read_bytes(path, place, allowed, _LARGEST_FILE)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         found = f"byte {error.start} that is not UTF-8"
         raise CaseError(f"{label}: encoding: found {found}, allowed text in UTF-8") from error
+
+
+_OTHER_FILES = {
+    **dict.fromkeys((".step", ".stp", ".stl", ".dxf"), "a drawing, which 'toothspace gear' reads"),
+    ".nc": "a result, which 'toothspace report' reads",
+}
+"""What files are that no case can be, by their ending."""
 
 
 def _is_shipped(path: Path) -> bool:

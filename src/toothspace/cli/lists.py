@@ -18,12 +18,16 @@ def init(
     force: Force = False,
 ) -> None:
     """Start from a shipped case: copy it with the files that it names."""
+    import tomllib
+
     from toothspace.case.shipped import copy_case
 
     written = copy_case(name, folder, replace=force)
     for path in written:
         output.message(f"Written: {path}")
-    output.message(f"Next: toothspace run {written[0]}")
+    tables = tomllib.loads(written[0].read_text(encoding="utf-8"))
+    command = next((c for c in ("study", "bearing", "film") if c in tables), "run")
+    output.message(f"Next: toothspace {command} {written[0]}")
 
 
 def cases(as_json: Json = False) -> None:

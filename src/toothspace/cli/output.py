@@ -70,8 +70,10 @@ def shown(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     is_list = isinstance(value, list)
-    if is_list and len(value) > _LONGEST_LIST and all(isinstance(v, (int, float)) for v in value):
-        return f"{len(value)} values, {shown(min(value))} to {shown(max(value))}"
+    found = [v for v in value if v is not None] if is_list else []
+    if len(found) > _LONGEST_LIST and all(isinstance(v, (int, float)) for v in found):
+        missing = f" and {len(value) - len(found)} missing" * (len(found) < len(value))
+        return f"{len(found)} values{missing}, {shown(min(found))} to {shown(max(found))}"
     if is_list:
         return ", ".join(shown(item) for item in value) or "none"
     if isinstance(value, dict):

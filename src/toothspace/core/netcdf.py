@@ -74,7 +74,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     place = path_of(path, "result", "a NetCDF file")
     if not place.is_file():
         found = "a folder" if place.is_dir() else "no file" if place.exists() else "nothing"
-        raise CaseError(f"{path}: found {found}, allowed a NetCDF file")
+        raise CaseError(f"{path}: found {found}, allowed a NetCDF file of a run or study")
     intact = _is_as_written(place)
     if intact is False:
         found = "a damaged file, which differs from its checksum"
@@ -92,7 +92,9 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 
 
 def _unreadable(path: str | Path) -> CaseError:
-    return CaseError(f"{path}: found a file that cannot be read as one, allowed a NetCDF file")
+    return CaseError(
+        f"{path}: found a file that cannot be read as one, allowed a NetCDF file of a run or study"
+    )
 
 
 def _is_as_written(path: Path) -> bool | None:

@@ -10,6 +10,7 @@ import math
 import re
 from dataclasses import dataclass
 from functools import cache
+from numbers import Real
 from typing import Any, final
 
 from toothspace.core.errors import CaseError
@@ -36,8 +37,8 @@ hertz = 1 / second = Hz
 degree = 0.017453292519943295 radian = deg = °
 revolution = 6.283185307179586 radian = rev
 rpm = revolution / minute
-degree_Celsius = kelvin; offset: 273.15 = degC = °C
-degree_Fahrenheit = 5 / 9 * kelvin; offset: 255.3722222222222 = degF = °F
+degree_Celsius = kelvin; offset: 273.15 = degC
+degree_Fahrenheit = 5 / 9 * kelvin; offset: 255.3722222222222 = degF
 newton = kilogram * metre / second ** 2 = N
 pascal = newton / metre ** 2 = Pa
 bar = 1e5 pascal
@@ -97,9 +98,13 @@ def _registry() -> Any:
 @cache
 def _unit(text: str) -> Any:
     if len(text) > _LONGEST_TEXT or not _UNIT_TEXT.fullmatch(text):
+        if text.startswith(","):
+            raise CaseError(f"found a comma, for a decimal point, before the unit {text!r}")
         raise CaseError(f"found an unknown unit {_short(text)!r}")
     try:
-        return _registry().Unit(text.replace("·", "*"))
+        # alone, the sign is that of an angle
+        plain = text.replace("·", "*").replace("°C", "degC").replace("°F", "degF")
+        return _registry().Unit(plain)
     except Exception as error:
         raise CaseError(f"found an unknown unit {text!r}") from error
 
@@ -208,6 +213,9 @@ class Quantity:
     unit: str
 
     def __post_init__(self) -> None:
+        if not isinstance(self.value, Real) or not isinstance(self.unit, str):
+            found = f"{self.value!r}, {self.unit!r}"
+            raise CaseError(f"found {found}, allowed a number and the text of a unit")
         split_quantity(str(self))
 
     def __str__(self) -> str:

@@ -129,7 +129,7 @@ def bearing_checks(
         checks.append(
             DesignCheck(
                 f"relative clearance of the bearing, {journal.body.replace('_', ' ')}",
-                1e3 * found, "1e-3", f"{1e3 * least:g}e-3 to {1e3 * most:g}e-3",
+                found, "1", f"{least:g} to {most:g}",
                 least <= found <= most,
                 "A bearing with less runs hot or seizes; with more its film does not carry.",
             )

@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.errors import CaseError
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import find_equilibrium, find_tilted_equilibrium
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
@@ -127,6 +128,9 @@ class JournalBearing(JournalDefinition):
         CaseError
             If shaft and bush touch.
         """
+        for name, pair in (("eccentricity", eccentricity), ("velocity", velocity), ("tilt", tilt)):
+            if np.shape(pair) != (2,):
+                raise CaseError(f"bearing.{name}: found {pair!r}, allowed two numbers, x and y")
         place = np.array([*(self.radial_clearance * np.asarray(eccentricity, float)), *tilt])
         motion = MotionState(place, np.array([*velocity, *tilt_rate], dtype=float))
         speed = SurfaceSpeed(shaft_speed, bush_speed)
