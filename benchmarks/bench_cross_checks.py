@@ -78,7 +78,7 @@ def tamaas() -> Iterator[Row | tuple[float, float]]:
     """Elastic contact of a Gaussian surface with a Gaussian correlation of 16 points."""
     import tamaas as tm
 
-    from toothspace.closures.real_contact import real_contact_share
+    from toothspace.closures.contact_rough import real_contact_share
 
     size, half_height, modulus, rms = 512, 16.0, 1.0, 0.01
     wave = 2.0 * np.pi * np.fft.fftfreq(size)

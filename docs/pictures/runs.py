@@ -43,6 +43,7 @@ FIGURES = {
     "startup": {"speed_and_pressure": "startup_cycle", "breakaway_zoom": "startup_breakaway"},
     "floating": {"lateral_films": "floating_films"},
     "gerotor": {
+        "gear_section": "gerotor_section",
         "pocket_cycle": "gerotor_pocket",
         "tooth_contact_forces": "gerotor_forces",
         "torque_ripple": "gerotor_torque",

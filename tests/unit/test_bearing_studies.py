@@ -14,7 +14,7 @@ import xarray as xr
 from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import load_case
 from toothspace.case.study import BalanceSweepStudy, BearingMapStudy, HysteresisStudy
-from toothspace.closures.real_contact import real_contact_share
+from toothspace.closures.contact_rough import real_contact_share
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO

@@ -9,11 +9,11 @@ from scipy.integrate import dblquad
 from tests.reference_formulas.rough_contact import pan_hamrock_film
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.friction import (
-    lateral_film_torque,
     running_share,
     stribeck_friction,
     stribeck_hump,
 )
+from toothspace.closures.gap_flow import lateral_film_torque
 from toothspace.closures.traction import (
     FlankSurface,
     boundary_share,

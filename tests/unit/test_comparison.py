@@ -15,7 +15,7 @@ from tests.fake_solution import fake_solution
 from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.status import Status
-from toothspace.report.comparison import Comparison
+from toothspace.report.comparison import Comparison, shown_change
 from toothspace.results.solution import Solution
 
 MOTOR = Path(__file__).resolve().parents[2] / "cases" / "egm12_motor.toml"
@@ -72,6 +72,27 @@ def test_why_a_difference_may_come_from_elsewhere(
     comparison = Comparison(result(load_case(MOTOR)), result(changed(**values), status=status))
     (warning,) = comparison.warnings()
     assert reason in warning
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "second", "change"),
+    [
+        ("mean_flow_L_per_min", 10.0, 8.0, "-20.00 %"),
+        ("mean_flow_L_per_min", -10.0, -8.0, "+20.00 %"),
+        ("mean_flow_L_per_min", 10.0, 0.0, "-100.00 %"),
+        ("mean_flow_L_per_min", 0.0, 10.0, "-"),
+        ("mean_flow_L_per_min", -10.0, 8.0, "-"),
+        ("mean_flow_L_per_min", 0.02, 1.0, "x 50"),
+        ("outlet_temperature_degC", 50.0, 60.0, "K"),
+        ("flow_ripple_percent", 16.0, 8.0, "points"),
+        ("start_angle_deg", 10.0, 20.0, "-"),
+        ("mass_balance_error", 1e-14, 3e-14, "-"),
+    ],
+)
+def test_a_share_is_told_only_where_it_says_something(
+    name: str, first: float, second: float, change: str
+) -> None:
+    assert shown_change(name, first, second) == change
 
 
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,6 +16,7 @@ import pytest
 
 from toothspace import api
 from toothspace.core.compilation import decorators, notice
+from toothspace.core.compilation.cache import _with_imports
 from toothspace.core.compilation.notice import Notice, reachable
 from toothspace.core.compilation.records import RecordAddress
 from toothspace.core.compiled import inlined, kernel, njit, passed_by_address
@@ -155,13 +156,18 @@ def test_the_cache_follows_content_not_place_or_time(tmp_path: Path) -> None:
     assert run_python(USE, cache, elsewhere) == "5.0 0"
 
 
-@pytest.mark.parametrize("damage", [b"", b"no entry", None])
-def test_a_damaged_entry_is_compiled_again(tmp_path: Path, damage: bytes | None) -> None:
+def test_an_entry_depends_on_modules_that_are_imported_as_such() -> None:
+    """The columns of the arrays, which kernels read as ``col.PRESSURE``, are constants in it."""
+    assert "model.arrays" in _with_imports({"model.walls"})
+
+
+def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
     run_python(USE, tmp_path)
     (path,) = kept(tmp_path)
     sound = path.read_bytes()
-    path.write_bytes(sound[: len(sound) // 2] if damage is None else damage)
-    assert run_python(USE, tmp_path) == "5.0 0"
+    for damaged in (b"", b"no entry", sound[: len(sound) // 2]):
+        path.write_bytes(damaged)
+        assert run_python(USE, tmp_path) == "5.0 0"
     assert run_python(USE, tmp_path) == "5.0 1"
 
 

@@ -28,7 +28,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 DOCS = REPOSITORY / "docs"
 PAGES = sorted(p for p in DOCS.rglob("*.md") if not {"_build", "api"} & set(p.parts))
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-HEAVY = {"startup", "floating_bearing", "study_on_a_cluster"}
+HEAVY = {"gerotor", "startup", "floating_bearing", "study_on_a_cluster"}
 COMMANDS = typer.main.get_command(application).commands
 
 
@@ -190,6 +190,17 @@ def test_no_page_is_an_orphan() -> None:
                 found = page.parent.glob(f"{entry}.md")
                 waiting += [p.resolve() for p in found if p.resolve() not in reached]
     assert {p.resolve() for p in PAGES} - reached == set()
+
+
+def test_tests_that_pages_name_exist() -> None:
+    texts = {p.name: p.read_text(encoding="utf-8") for p in REPOSITORY.glob("tests/**/test_*.py")}
+    named = {
+        (page.stem, m[1], m[2])
+        for page in PAGES
+        for m in re.finditer(r"\b(test_\w+\.py)(?:::(\w+))?", page.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 20
+    assert {n for n in named if f"def {n[2] or 'test_'}" not in texts.get(n[1], "")} == set()
 
 
 def printed_numbers(text: str) -> dict[str, float]:

@@ -189,6 +189,7 @@ def test_plane_of_step(tmp_path):
         cut(tmp_path / "gear.step", plane=9e-3)
 
 
+@pytest.mark.slow
 def test_step_solid_that_is_no_prism_is_cut(tmp_path):
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer

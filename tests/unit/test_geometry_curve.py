@@ -14,6 +14,7 @@ from toothspace.geometry.curve import (
 )
 from toothspace.geometry.polygon import (
     checked_polygon,
+    enclosed,
     load_polygons,
 )
 
@@ -88,6 +89,15 @@ def test_wrong_polygons_are_refused(points, found):
     assert str(caught.value).startswith("machine.casing.contour: found")
     assert "allowed" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("place", range(7))
+def test_an_outline_that_crosses_itself_keeps_its_area(place):
+    # a loop of the other sense at the highest point
+    crossed = np.array([[0, 0], [2, 0], [2, 2], [0.9, 2.1], [1, 2.2], [1.1, 2.1], [0, 2]])
+    (shape,) = enclosed([np.roll(crossed, place, axis=0)])
+    assert shape.is_valid
+    assert shape.area == pytest.approx(4.0, rel=0.04)
 
 
 def test_polygon_file(tmp_path):

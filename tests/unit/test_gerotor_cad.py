@@ -138,6 +138,7 @@ def test_assembly_becomes_the_machine_that_was_drawn(tmp_path, tooth_count):
     )
 
 
+@pytest.mark.slow
 def test_command_drafts_a_set_with_few_lobes(tmp_path, capsys):
     """Four lobes are no gear; the case is written all the same."""
     file = assembly(tmp_path, 4)

@@ -169,6 +169,7 @@ def eccentric(folder: Path, radius: float) -> Path:
     return table_file(folder / f"gear_{radius * 1e6:.0f}.csv", left, right)
 
 
+@pytest.mark.slow
 def test_run_out_ripples_the_flow_once_a_revolution(tmp_path: Path) -> None:
     """Order one follows the run-out, about as the driven gear's speed: e/(2 rb) of the flow."""
     orders = []

@@ -102,8 +102,10 @@ def test_svg_is_reproducible(parts) -> None:
 
 
 @pytest.mark.parametrize("shaft_angle", [0.0, 0.2, 3.0])
-@pytest.mark.parametrize("name", ["egm12_pump", "crescent_pump"])
-def test_cells_fill_the_fluid_of_the_gears_once(name: str, shaft_angle: float) -> None:
+@pytest.mark.parametrize(
+    "name", ["egm12_pump", "crescent_pump", "gerotor_trochoidal", "gerotor_cycloidal"]
+)
+def test_cells_fill_the_fluid_of_a_machine_once(name: str, shaft_angle: float) -> None:
     import shapely
 
     description = api.describe(api.load_case(CASES / f"{name}.toml"))
@@ -118,16 +120,20 @@ def test_cells_fill_the_fluid_of_the_gears_once(name: str, shaft_angle: float) -
     )
     areas = np.array([cell.area for cell in cells])
     width = volumes.sum() / areas.sum()
-    assert areas * width == pytest.approx(volumes, abs=2e-3 * volumes.max())
+    # pockets are booked with the layers between their lobes as one constant volume
+    assert areas * width == pytest.approx(volumes, abs=5e-3 * volumes.max())
 
 
-def test_a_ring_is_drawn_with_its_hole() -> None:
-    description = api.describe(api.load_case(CASES / "crescent_pump.toml"))
+@pytest.mark.parametrize("name", ["crescent_pump", "gerotor_cycloidal"])
+def test_a_ring_is_drawn_with_its_hole_and_without_its_cut(name: str) -> None:
+    description = api.describe(api.load_case(CASES / f"{name}.toml"))
+    body = description.bodies[1]
     for angle in np.linspace(0.0, 2.0, 21):
-        ring = turned_section(description, description.bodies[1], float(angle))
+        ring = turned_section(description, body, float(angle))
         assert ring.geom_type == "Polygon"
         assert len(ring.interiors) == 1
-        assert len(ring.exterior.coords) < 400
+        outside = np.hypot(*(np.asarray(ring.exterior.coords) - body.center).T)
+        assert np.ptp(outside) < 1e-9
 
 
 def test_a_chamber_that_turns_slower_than_the_shaft_is_shown_over_its_whole_turn() -> None:

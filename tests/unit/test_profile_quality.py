@@ -157,6 +157,7 @@ def test_base_circle_just_below_the_involute_is_found(gear: InvoluteGear) -> Non
     assert found.involute.flank.form_radius == pytest.approx(form.form_radius, abs=4e-5)
 
 
+@pytest.mark.slow
 def test_undercut_of_a_profile_is_reported(tmp_path: Path) -> None:
     gear = InvoluteGear(9, 2.75e-3, tip_rounding=1e-4)
     points = outline(200, gear)

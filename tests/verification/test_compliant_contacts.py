@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.contact_machine import contact_machine
+from tests.contact_machine import RATIO, contact_machine
 from tests.iteration_matrices import assert_iteration_agrees
 from tests.reference_formulas.full_jacobian import jacobian
 from toothspace.closures.bearing_map import build_journal_map, journal_force
 from toothspace.model.arrays import FILM_FORCE
 from toothspace.model.assembly import System, assemble
+from toothspace.model.bodies import CREEP_SPEED, journal_torques
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
@@ -116,3 +117,42 @@ def test_each_bearing_keeps_its_own_film() -> None:
         forces.append(system.arrays.motion[:2, FILM_FORCE].copy())
     assert np.hypot(*forces[0]) > 10.0 * np.hypot(*forces[1])
     assert forces[2] == pytest.approx(forces[0] + forces[1], rel=1e-9)
+
+
+def pressed_ring(own_speed: float) -> tuple[System, Any]:
+    """The ring pressed into the asperities of its bearing, turning at a speed [rad/s]."""
+    system = ring_system()
+    size, state = system.arrays.size, start_state(system)
+    state[size.position] = 61e-6
+    state[size.velocity + 2] = own_speed - RATIO * state[1]
+    return system, state
+
+
+@pytest.mark.parametrize("share", [-2.0, -0.1, 0.1, 1.0, 3.0])
+def test_friction_opposes_the_own_speed_of_a_body(share: float) -> None:
+    """Boundary friction is of one size in either sense, shear goes with the speed."""
+    mean = RATIO * 157.0
+    system, state = pressed_ring(mean)
+    right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+    running = journal_torques(system.arrays, state, 0)[1]
+    system, state = pressed_ring(share * mean)
+    right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+    assert running > 0.0
+    assert journal_torques(system.arrays, state, 0)[1] == pytest.approx(np.sign(share) * running)
+
+
+def test_a_body_brought_to_rest_creeps() -> None:
+    """Friction passes through zero at rest; its slope by speed stands in the Jacobian."""
+    torques = []
+    for speed in (-1e-4, 0.0, 1e-4):
+        system, state = pressed_ring(speed)
+        right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+        torques.append(system.arrays.motion[2, FILM_FORCE])
+        if speed == 0.0:
+            slope = system.arrays.film_slopes[1, 2, 2]
+            assert journal_torques(system.arrays, state, 0)[1] == 0.0
+    assert slope == pytest.approx((torques[2] - torques[0]) / 2e-4, rel=1e-4)
+    system, state = pressed_ring(RATIO * 157.0)
+    right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+    running = journal_torques(system.arrays, state, 0)[1]
+    assert slope == pytest.approx(-running * 30e-3 / CREEP_SPEED, rel=0.02)

@@ -28,12 +28,14 @@ from toothspace.gearing.meshing import (
     facing_throats,
     flow_over_pitch,
 )
+from toothspace.gearing.openings import groove_openings
 from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backlash
 from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.crescent.assembly import CrescentAssembly, assemble, involute_pair
+from toothspace.machines.crescent.filler import cover_recesses
 from toothspace.machines.crescent.summary import overlap, tip_clearance, trimming_distance
 
 ALPHA = np.deg2rad(27.5)
@@ -189,6 +191,16 @@ def test_fouling_tips_and_trimming_are_seen() -> None:
     assert tip_clearance(involute_pair(close)) < 0.0
     with pytest.raises(GeometryError):
         assemble(close)
+
+
+@pytest.mark.parametrize("gear", [0, 1])
+def test_recesses_open_and_close_without_jumps(gear: int) -> None:
+    """A space passes its recess in some 40 degrees; 5 % of the opening are as many nodes' share."""
+    assembly = machine()
+    spaces = assembly.spaces(728)[gear]
+    for table in groove_openings(spaces, cover_recesses(assembly), 10e-3).values():
+        area = table[:, 0]
+        assert np.abs(np.diff(area, append=area[:1])).max() < 0.05 * area.max()
 
 
 def test_ends_of_a_wide_throat_are_the_closest_points() -> None:

@@ -214,7 +214,8 @@ def test_filler_lies_between_the_tips_and_seals_between_its_ends() -> None:
     assert filler_edges(assembly, 1).inlet < filler_edges(assembly, 0).inlet
 
 
-@pytest.mark.parametrize("suffix", ["txt", pytest.param("dxf", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["txt", "dxf"])
 def test_exported_profiles_make_the_same_machine(tmp_path: Path, suffix: str) -> None:
     spec = crescent()
     assembly = assemble(spec)

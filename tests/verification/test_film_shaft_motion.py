@@ -93,7 +93,7 @@ def test_film_memory_conserves_the_liquid() -> None:
     step = 1e-4
     later = BEARING.solve(eccentricity=(0.52, 0.01), shaft_speed=SPEED, history=film.history(step))
     assert later.status.succeeded
-    grid = later.film.grid
+    grid = later.solved.film.grid
     free = grid.mark == 0
     before = film.history(step).content
     after = later.history(step).content

@@ -59,6 +59,7 @@ def test_warm_films_are_thinner_in_friction_and_leakage(network, coupled) -> Non
     assert warm["volumetric_efficiency"] < cold["volumetric_efficiency"]
 
 
+@pytest.mark.slow
 def test_films_that_would_be_too_hot_with_cold_oil_are_found() -> None:
     fast = ("operating_point.shaft_speed=6000 rpm", "operating_point.inlet_pressure=21 bar")
     _, cold = summary(*fast)

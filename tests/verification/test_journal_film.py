@@ -282,7 +282,7 @@ def test_film_squeezed_faster_than_it_flows_settles(
         cavitation_pressure=0.0,
         end_condition="no_flow",
     ).solve(eccentricity=eccentricity, shaft_speed=30.0, velocity=velocity)
-    fields = film.film.fields
+    fields = film.solved.fields
     assert film.status is Status.DONE
     assert film.mass_balance_error < 1e-12
     assert fields.saturation.max() <= 1.0 + 1e-9

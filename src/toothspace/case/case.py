@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -25,7 +24,7 @@ from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
 from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, CaseTables
 from toothspace.core.errors import CaseError
-from toothspace.core.files import path_of
+from toothspace.core.files import named_beside, path_of
 from toothspace.core.keys import (
     FileText,
     KeyRuleError,
@@ -213,7 +212,7 @@ class Case(CaseTables):
         """
         if folder is None:
             return document_text(self.to_dict())
-        return document_text(self._written(lambda file: _relative(file, Path(folder))))
+        return document_text(self._written(lambda file: named_beside(file, Path(folder))))
 
     def _written(self, file_text: FileText) -> dict[str, Any]:
         return {"schema": self.schema, **Table(spec=Case).written(self, file_text)}
@@ -259,13 +258,6 @@ class Case(CaseTables):
 def _require_table(name: str, given: object) -> None:
     if not isinstance(given, Mapping):
         raise CaseError(f"{name}: found {reprlib.repr(given)}, allowed a table of keys and values")
-
-
-def _relative(file: Path, folder: Path) -> str:
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:  # another drive
-        return file.as_posix()
 
 
 def _assembled(machine: Any) -> Any:

@@ -141,8 +141,9 @@ def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0)
     try:
         tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        # digits of an integer without end are a ValueError
         reason = " ".join(str(error).split()) or type(error).__name__
+        if not isinstance(error, tomllib.TOMLDecodeError | RecursionError):
+            reason = "an integer of thousands of digits"
         allowed = "TOML 1.0 with every key once"
         raise CaseError(f"{label}: syntax: found {reason!r}, allowed {allowed}") from error
     require_ordinary(tables, label)

@@ -55,11 +55,14 @@ def write_tables(groups: Mapping[str, Any]) -> None:
 
 def write_comparison(pairs: Mapping[str, tuple[float, float]]) -> None:
     """Write pairs of numbers with their difference, also in percent of the first."""
+    # with what draws pages
+    from toothspace.report.comparison import shown_change
+
     width = max((len(name) for name in pairs), default=0)
     line(f"{'':<{width}}  {'first':>12} {'second':>12} {'difference':>12} {'':>9}")
     for name, (one, two) in pairs.items():
-        share = f"{100.0 * (two - one) / abs(one):+.2f} %" if one else "-"
-        line(f"{name:<{width}}  {one:12.6g} {two:12.6g} {two - one:12.4g} {share:>9}")
+        change = shown_change(name, one, two)
+        line(f"{name:<{width}}  {one:12.6g} {two:12.6g} {two - one:12.4g} {change:>9}")
 
 
 def shown(value: Any) -> str:

@@ -13,22 +13,22 @@ enthalpy             energy per mass, exact for the equation of state
 aeration             release, absorption and volume of gas; vapour
 viscosity            over temperature and pressure
 orifice              openings, and the law that every flow path obeys
-gap_flow             narrow gaps, drag and shear of moving walls
+gap_flow             narrow gaps, drag and shear of moving walls and faces
 hydraulic_resistance throttles, coolers and valves of a circuit
 accumulator          gas charge
 line_friction        unsteady and turbulent friction in lines
 bearing_map          journal bearing without a grid: force with derivatives
 journal_friction     its torque, and friction over the Sommerfeld number
-friction             start, faces of gears
+friction             start, and its fading into that of running
 set_valued_friction  dry friction with a true state of rest
 traction             film thickness and friction of tooth flanks
 contact_cylindrical  pressure and force of curved contacts
 contact_law          elastic laws with energy, damping of impacts
 squeeze_film         film squeezed out of a line contact
-contact_rough        pressure of touching asperities
+contact_rough        pressure and real area of touching asperities
 contact_asperities   the same by statistics of summits
-real_contact         real area of contact
 flow_factors         rough surfaces in thin films
+heat_transfer        heat between oil and walls
 smooth               rounded corners for time integration
 ==================== ==========================================================
 """

@@ -165,8 +165,8 @@ def vapour_fraction(specific_volume: Any, pressure: Any, gas_fraction: Any, law:
     .. math:: \alpha_v = \max\left(0,\; 1 - \frac{(1-f)\, v_l(p) + f R T / p}{v}\right)
 
     The volume that liquid and free gas do not fill at the actual pressure. It is given the
-    volume because near the vapour pressure the pressure alone no longer tells it. Validity:
-    vapour of no mass.
+    volume because near the vapour pressure the pressure alone no longer determines it.
+    Validity: vapour of no mass.
 
     References
     ----------

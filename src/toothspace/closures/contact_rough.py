@@ -1,10 +1,16 @@
-"""Mean pressure of touching asperities over the gap between rough surfaces."""
+"""Mean pressure of touching asperities over the gap between rough surfaces, and their real area."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from toothspace.core.compiled import inlined
+from toothspace.core.types import Array
+
+_PLASTIC_SHARE = 0.96
+"""Mean pressure of plastically deformed spots over the hardness. [-]"""
 
 
 @inlined
@@ -125,3 +131,51 @@ def asperity_pressure(
     )
     fade = 1.0 if X < 3.0 else (4.0 - X) ** 2 * (2.0 * X - 5.0)
     return unit * fade * elastic / (1.0 + (elastic / plastic) ** 3) ** (1.0 / 3.0)
+
+
+def real_contact_share(
+    contact_pressure: Array,
+    roughness: float,
+    correlation_length: float,
+    effective_modulus: float,
+    hardness: float,
+) -> Array:
+    r"""Real over nominal area of touching asperities, elastic and perfectly plastic.
+
+    Parameters
+    ----------
+    contact_pressure : ndarray
+        Mean contact pressure over the nominal area, zero or positive. [Pa]
+    roughness : float
+        Combined root mean square roughness. [m]
+    correlation_length : float
+        Half-height correlation length of the combined surface. [m]
+    effective_modulus : float
+        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
+    hardness : float
+        Hardness of the softer body. [Pa]
+
+    Returns
+    -------
+    ndarray
+        Share of the nominal area, at most one. [-]
+
+    Notes
+    -----
+    With :math:`P = 2 l_{50} p / (\pi E' \sigma)`, :math:`H_Y = 2 l_{50} H / (\pi E' \sigma)`, a fit
+    to the boundary element solutions from which the law of the asperity pressure is:
+
+    .. math:: A_r/A = P / \min(0.2346 - 0.197 \sqrt{P} + 0.895 P,\; 0.96\, H_Y)
+
+    Validity: P up to 0.16.
+
+    References
+    ----------
+    .. [1] H. M. Stanley, T. Kato, "An FFT-based method for rough surface contact", J. Tribology
+       119, 1997, 481-485 (method of the solutions; the fit is this package's own).
+    """
+    unit = pressure_unit(roughness, correlation_length, effective_modulus)
+    load = np.asarray(contact_pressure) / unit
+    elastic = 0.2346 - 0.197 * np.sqrt(load) + 0.895 * load
+    spots = np.minimum(elastic, _PLASTIC_SHARE * hardness / unit)
+    return np.asarray(np.minimum(load / spots, 1.0))

@@ -1,4 +1,4 @@
-"""Friction at start and at the faces of gears."""
+"""Friction at start, and where it fades into that of running."""
 
 from __future__ import annotations
 
@@ -130,60 +130,3 @@ def running_share(speed: Any, breakaway_speed: Any) -> Any:
     """
     ratio = speed / (_ROOT_TWO * breakaway_speed)
     return -np.expm1(-ratio * ratio)
-
-
-@inlined
-def lateral_film_torque(
-    dynamic_viscosity: Any,
-    shaft_speed: Any,
-    inner_radius: Any,
-    outer_radius: Any,
-    gap_height: Any,
-    tilt: Any = 0.0,
-) -> Any:
-    r"""Viscous torque on one ring-shaped face, parallel or tilted gap.
-
-    Parameters
-    ----------
-    dynamic_viscosity : float or ndarray
-        Dynamic viscosity. [Pa s]
-    shaft_speed : float or ndarray
-        Angular speed of the face. [rad/s]
-    inner_radius : float or ndarray
-        Inner radius of the ring. [m]
-    outer_radius : float or ndarray
-        Outer radius of the ring. [m]
-    gap_height : float or ndarray
-        Height of the gap at the axis. [m]
-    tilt : float or ndarray
-        Change of height at the outer radius over the height at the axis, below 1. [-]
-
-    Returns
-    -------
-    float or ndarray
-        Torque that opposes the rotation, sign of the speed. [N m]
-
-    Notes
-    -----
-    With :math:`h = h_0 (1 + k r \cos\vartheta / r_o)`, :math:`x = (k r / r_o)^2` and
-    :math:`f(x) = \sqrt{1 - x}\,(2 + x)`,
-
-    .. math:: M = \frac{2 \pi \mu \omega}{3 h_0} \left[ r^4
-        \frac{3 + x}{2 + f(x)} \right]_{r_i}^{r_o},
-
-    which is :math:`\pi \mu \omega (r_o^4 - r_i^4) / (2 h_0)` for a parallel gap. Radial pressure
-    gradients do no work on the face. Validity: laminar shear of a film without cavity, one
-    viscosity, tilt below 1.
-
-    References
-    ----------
-    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
-       2nd ed., Marcel Dekker, 2004 (textbook law: Newtonian shear, integrated over the face).
-    """
-    slope = tilt * tilt / (outer_radius * outer_radius)
-    outer = slope * outer_radius * outer_radius
-    inner = slope * inner_radius * inner_radius
-    outer_term = outer_radius**4 * (3.0 + outer) / (2.0 + np.sqrt(1.0 - outer) * (2.0 + outer))
-    inner_term = inner_radius**4 * (3.0 + inner) / (2.0 + np.sqrt(1.0 - inner) * (2.0 + inner))
-    scale = 2.0 * np.pi * dynamic_viscosity * shaft_speed / (3.0 * gap_height)
-    return scale * (outer_term - inner_term)

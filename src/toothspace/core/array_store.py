@@ -39,15 +39,11 @@ def keep_arrays(path: Path, arrays: Mapping[str, Any], most_files: int) -> None:
     """Save arrays in a folder of at most so many files, of which the oldest are forgotten."""
     files = list(path.parent.glob("*.npz"))
     if len(files) >= most_files:
-        files.sort(key=_last_change)
+        # another process may forget the same files
+        files.sort(key=lambda file: file.stat().st_mtime if file.exists() else 0.0)
         for oldest in files[: most_files // 10]:
             oldest.unlink(missing_ok=True)
     save_arrays(path, arrays)
-
-
-def _last_change(path: Path) -> float:
-    # another process may forget the same files
-    return path.stat().st_mtime if path.exists() else 0.0
 
 
 def _digest(arrays: Mapping[str, Any]) -> Any:

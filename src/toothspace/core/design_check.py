@@ -28,7 +28,7 @@ class DesignCheck:
         One sentence on why the rule matters.
     of_drawing : bool
         Whether it judges the file that the machine was read from rather than the design, so that
-        every run tells it.
+        every run reports it.
     """
 
     name: str

@@ -18,6 +18,14 @@ _LONGEST_PREFIX = 40
 """A draft takes so much of the name of its target, so that long names fit the file system."""
 
 
+def named_beside(file: Path, folder: Path) -> str:
+    """Name of a file for a case file in a folder: relative, but on another drive."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
+
+
 @contextmanager
 def draft_of(target: str | Path) -> Iterator[Path]:
     """Give an empty file beside a target that becomes the target when all is written.

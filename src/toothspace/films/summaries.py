@@ -54,7 +54,7 @@ def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
 
 def _tilt_coefficients(film: JournalBearingSolution) -> dict[str, Any]:
     """Coefficients 4x4 of a film that is not mirrored: tilted, or fed from one side. [N, N m]."""
-    if film.film.mesh.weight > 1.0:
+    if film.solved.mesh.weight > 1.0:
         return {}
     stiffness, damping = film.coefficients()
     return {"stiffness_4x4": stiffness.tolist(), "damping_4x4": damping.tolist()}

@@ -11,6 +11,7 @@ from toothspace.core.types import Array
 from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.spaces import Spaces, other_end, own_end
 from toothspace.gearing.tooth import Tooth
+from toothspace.geometry.polygon import enclosed
 
 _LEAST_AREA = 1e-12
 
@@ -102,10 +103,7 @@ def groove_openings(
         return {}
     reach = max(_reach(spaces, groove) for groove in polygons.values())
     near = np.flatnonzero(np.abs(spaces.angles) < reach)
-    shapes = np.array([shapely.Polygon(outline) for outline in space_outlines(spaces, near)])
-    # touching flanks may cross by rounding errors
-    crossed = ~shapely.is_valid(shapes)
-    shapes[crossed] = shapely.buffer(shapes[crossed], 0.0)
+    shapes = enclosed(space_outlines(spaces, near))
     found = {}
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))

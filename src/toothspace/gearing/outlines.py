@@ -99,7 +99,8 @@ def space_outlines(spaces: Spaces, indices: IntArray | None = None) -> list[Arra
     in_mesh = np.maximum(spaces.left.weight, spaces.right.weight)[at] > 0.0
     outlines = []
     for k, meshed in enumerate(in_mesh):
-        flanks = [right.short_of_end(k)[::-1], left.short_of_end(k)]
+        # both begin in the middle of the root
+        flanks = [right.short_of_end(k)[::-1], left.short_of_end(k)[1:]]
         if not meshed:
             outlines.append(np.concatenate([*flanks, left.arc(left.corner[k], right.corner[k])]))
             continue

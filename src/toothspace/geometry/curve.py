@@ -149,6 +149,19 @@ def turned_copies(points: Array, angles: Array) -> Array:
     return np.column_stack([phasors.real.ravel(), phasors.imag.ravel()])
 
 
+def outline_with_hole(outside: Array, hole: Array) -> Array:
+    """One closed outline round a ring, with a cut where both curves are farthest right.
+
+    Parameters
+    ----------
+    outside, hole : ndarray, shape (n, 2)
+        Closed counter-clockwise curves, first point not repeated. [m]
+    """
+    start, first = (int(np.argmax(curve[:, 0])) for curve in (outside, hole))
+    outside, hole = np.roll(outside, -start, axis=0), np.roll(hole, -first, axis=0)
+    return np.vstack([outside, outside[:1], hole[:1], hole[::-1]])
+
+
 def polar_moment(points: Array) -> float:
     """Polar second moment of area of a closed curve about the origin, counter-clockwise. [m4]."""
     p, q = points, np.roll(points, -1, axis=0)

@@ -10,11 +10,7 @@ import numpy as np
 
 from toothspace.core.types import Array, BoolArray, FloatOrArray, IntArray
 from toothspace.geometry.evaluated_designs import DesignReason, marked
-from toothspace.geometry.involute_gear import (
-    DEFAULT_TOOL_TIP_RADIUS,
-    InvoluteGear,
-    RackCutTeeth,
-)
+from toothspace.geometry.involute_gear import DEFAULT_TOOL_TIP_RADIUS, InvoluteGear, RackCutTeeth
 from toothspace.numerics.roots import roots_between
 
 _LEAST_ROOT = 0.05

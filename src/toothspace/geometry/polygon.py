@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,6 +57,30 @@ def checked_polygon(points: Array, key: str) -> Array:
             f"y = {crossing[1] * 1e3:.4g} mm, allowed a simple closed curve"
         )
     return counter_clockwise(clean)
+
+
+def enclosed(outlines: Sequence[Array]) -> Any:
+    """Areas that outlines enclose, also where they touch or cross themselves by rounding.
+
+    Parameters
+    ----------
+    outlines : sequence of ndarray, shape (n, 2)
+        Closed curves. [m]
+
+    Returns
+    -------
+    ndarray of shapely geometry
+        Polygons, several for an outline that is pinched, without loops of the other sense.
+    """
+    import shapely
+
+    shapes = np.array([shapely.Polygon(outline) for outline in outlines], dtype=object)
+    crossed = np.flatnonzero(~shapely.is_valid(shapes))
+    given, shapes[crossed] = shapes[crossed], shapely.buffer(shapes[crossed], 0.0)
+    # where points coincide but for rounding, the buffer may leave nothing
+    lost = shapely.area(shapes[crossed]) < 0.5 * shapely.area(given)
+    shapes[crossed[lost]] = shapely.buffer(shapely.make_valid(given[lost]), 0.0)
+    return shapes
 
 
 def load_polygons(path: Path | Points, unit: float) -> list[Array]:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, final
 
 from toothspace.closures.gap_flow import equal_leakage_height
@@ -105,14 +103,6 @@ class MachineType:
     describe: Callable[..., MachineDescription]
     draft: Callable[..., CaseDraft | None] | None = None
     evaluate_designs: Callable[..., EvaluatedDesigns] | None = None
-
-
-def named_beside(file: Path, folder: Path) -> str:
-    """Name of a file for a case file in a folder: relative, but on another drive."""
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:
-        return file.resolve().as_posix()
 
 
 @dataclass(frozen=True, kw_only=True)

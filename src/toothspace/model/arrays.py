@@ -167,7 +167,7 @@ class SystemArrays(NamedTuple):
 
     ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``contact``,
     ``motion``, ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are
-    written by each evaluation; ``origin`` tells it where flows come from. Rows of ``path`` and
+    written by each evaluation; ``origin`` says where flows come from. Rows of ``path`` and
     ``path_values`` are the open paths, one after the other: ``open_kinds``, ``open_index`` and
     ``open_data`` are ``kinds``, ``path_index`` and ``path_data`` of these.
     """

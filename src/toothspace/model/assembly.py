@@ -11,42 +11,8 @@ from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_density
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.model.arrays import (
-    CHANNEL_MOTION,
-    CONTACT_COLUMNS,
-    CONTACT_STATE,
-    DENSITY,
-    DRIVEN_INERTIA,
-    DRIVEN_LATERAL,
-    ELEMENT_A,
-    ELEMENT_B,
-    ELEMENT_KIND,
-    FAMILY_COUNT,
-    FAMILY_FIRST,
-    GAP_BY_MOTION,
-    GAS,
-    GAS_EXPONENT,
-    GAS_VOLUME,
-    HEIGHT_BY_MOTION,
-    KNOTS,
-    NODE_A,
-    NODE_B,
-    NODE_COLUMNS,
-    PARAMETER_4,
-    PARTNER_SHIFT,
-    PATH_COLUMNS,
-    PORT_AREA,
-    PRECHARGE,
-    PRESSURE,
-    REST_VOLUME,
-    VOLUME,
-    WALL_COMPLIANCE,
-    WALL_SLOPE,
-    Constants,
-    ContactSurface,
-    Sizes,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import Constants, ContactSurface, Sizes, SystemArrays
 from toothspace.model.circuit_description import (
     circuit_rows,
     column_states,
@@ -168,8 +134,8 @@ def assemble(
     seated = with_lateral_leakage(description, table.seat_factor) if table else description
     bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush, blocks)
-    sizes = _sizes(description, condition, motion_map.shape[1], paths)
-    sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
+    counts = {"motions": motion_map.shape[1], "journals": len(journals.rows), **contacts.counts}
+    sizes = _sizes(description, condition, paths, counts)
     drive = _drive(description, condition, free)
     elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
     arrays = SystemArrays(
@@ -204,13 +170,13 @@ def assemble(
         friction_curves=journals.curves,
         lateral=lateral_lookup(description, sizes.nodes, loads),
         node=np.asfortranarray(_nodes(description, fluid, condition, sizes)),
+        contact=contacts.data,
         motion=motion_rows(description, condition, free),
         drive=drive,
         elements=elements,
         schedule=schedule,
         **_work(sizes),
     )
-    arrays.contact[:, CONTACT_STATE:] = contacts.data
     pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
     moving, basis = tuple(free), _basis(arrays)
@@ -220,10 +186,10 @@ def assemble(
 def _sizes(
     description: MachineDescription,
     condition: OperatingCondition,
-    motions: int,
     paths: tuple[FlowPath, ...],
+    counts: dict[str, int],
 ) -> Sizes:
-    chambers = description.chamber_count
+    chambers, motions = description.chamber_count, counts["motions"]
     dynamic = int(np.max(_dynamic_index(description, condition))) + 1
     column = 2 + 2 * dynamic + 2 * motions
     film = column + column_states(condition.circuit)
@@ -234,10 +200,7 @@ def _sizes(
         nodes=len(node_places(description, condition)) + chambers,
         dynamic=dynamic,
         paths=sum(path.count for path in paths),
-        motions=motions,
-        journals=0,
-        contacts=0,
-        compliant=0,
+        **counts,
         mass=2,
         gas=2 + dynamic,
         position=2 + 2 * dynamic,
@@ -318,55 +281,54 @@ def _drive(
     )
     drag = lateral_drag(description)
     driven = [body for body in description.bodies if body.role == "driven"]
-    row[DRIVEN_INERTIA] = -sum(b.inertia * b.speed_ratio for b in driven)
-    row[DRIVEN_LATERAL] = -sum(drag[b.name] * b.speed_ratio for b in driven)
+    row[col.DRIVEN_INERTIA] = -sum(b.inertia * b.speed_ratio for b in driven)
+    row[col.DRIVEN_LATERAL] = -sum(drag[b.name] * b.speed_ratio for b in driven)
     return row
 
 
 def _nodes(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition, sizes: Sizes
 ) -> Array:
-    node = np.zeros((sizes.nodes, NODE_COLUMNS))
+    node = np.zeros((sizes.nodes, col.NODE_COLUMNS))
     ports = node[sizes.chambers : sizes.chambers + len(PORT_NODES)]
-    ports[:, PRESSURE] = (
+    ports[:, col.PRESSURE] = (
         condition.inlet_pressure,
         condition.outlet_pressure,
         condition.drain_pressure,
         condition.load_pressure,
         condition.circuit.supply_pressure if condition.circuit else condition.inlet_pressure,
     )
-    ports[:, GAS] = fluid.feed_gas_mass_fraction
+    ports[:, col.GAS] = fluid.feed_gas_mass_fraction
     flow_rate = description.displacement * max(abs(condition.shaft_speed), _SLOWEST_SPEED)
     residence_time = description.port_volumes[0] / flow_rate
-    node[description.inlet_node, GAS] = inlet_gas_fraction(
+    node[description.inlet_node, col.GAS] = inlet_gas_fraction(
         condition.inlet_pressure, residence_time, fluid
     )
-    ports[:, DENSITY] = mixture_density(ports[:, PRESSURE], ports[:, GAS], fluid)
-    node[description.outlet_node, VOLUME] = description.port_volumes[1]
+    ports[:, col.DENSITY] = mixture_density(ports[:, col.PRESSURE], ports[:, col.GAS], fluid)
+    node[description.outlet_node, col.VOLUME] = description.port_volumes[1]
     places = node_places(description, condition)
     for place in condition.circuit.nodes if condition.circuit else ():
         row = node[places[place.name]]
-        row[PRESSURE], row[GAS] = place.pressure, fluid.feed_gas_mass_fraction
-        row[DENSITY] = mixture_density(place.pressure, row[GAS], fluid)
-        row[REST_VOLUME], row[WALL_COMPLIANCE] = place.volume, place.wall_compliance
-        row[GAS_VOLUME], row[PRECHARGE] = place.gas_volume, place.precharge
-        row[GAS_EXPONENT] = place.gas_exponent
-        row[VOLUME], row[WALL_SLOPE] = wall_volume(row, place.pressure)
+        row[col.PRESSURE], row[col.GAS] = place.pressure, fluid.feed_gas_mass_fraction
+        row[col.DENSITY] = mixture_density(place.pressure, row[col.GAS], fluid)
+        row[col.REST_VOLUME], row[col.WALL_COMPLIANCE] = place.volume, place.wall_compliance
+        row[col.GAS_VOLUME], row[col.PRECHARGE] = place.gas_volume, place.precharge
+        row[col.GAS_EXPONENT] = place.gas_exponent
+        row[col.VOLUME], row[col.WALL_SLOPE] = wall_volume(row, place.pressure)
     return node
 
 
 def _work(sizes: Sizes) -> dict[str, Any]:
     """Work arrays; tables are evaluated channel by channel, so their values stand in columns."""
-    channels = CHANNEL_MOTION + sizes.motions + sizes.load - sizes.film
-    gap_channels = GAP_BY_MOTION + 2 * sizes.motions
+    channels = col.CHANNEL_MOTION + sizes.motions + sizes.load - sizes.film
+    gap_channels = col.GAP_BY_MOTION + 2 * sizes.motions
     return {
-        "path": np.zeros((PATH_COLUMNS, sizes.paths)).T,
+        "path": np.zeros((col.PATH_COLUMNS, sizes.paths)).T,
         "chamber_values": np.zeros((channels, sizes.chambers)).T,
         "chamber_slopes": np.zeros((channels, sizes.chambers)).T,
-        "path_values": np.zeros((HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,
+        "path_values": np.zeros((col.HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,
         # room for two at least: fewer would be another layout, to be compiled once more
         "contact_values": np.zeros((2, gap_channels, max(sizes.contacts, 2))).transpose(0, 2, 1),
-        "contact": np.zeros((sizes.contacts, CONTACT_COLUMNS)),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),
@@ -384,11 +346,11 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     columns = [_columns(arrays, node) for node in range(size.nodes)]
     rows = [_rows(arrays, node) for node in range(size.nodes)]
     for j, index in enumerate(arrays.path_index):
-        a = int(index[NODE_A])
-        moved = _moved(arrays, int(arrays.paths.table[j]), HEIGHT_BY_MOTION)
-        first, count = int(index[NODE_B]), 1
-        if index[PARTNER_SHIFT] != 0:
-            first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
+        a = int(index[col.NODE_A])
+        moved = _moved(arrays, int(arrays.paths.table[j]), col.HEIGHT_BY_MOTION)
+        first, count = int(index[col.NODE_B]), 1
+        if index[col.PARTNER_SHIFT] != 0:
+            first, count = int(index[col.FAMILY_FIRST]), int(index[col.FAMILY_COUNT])
         for b in range(first, first + count):
             pattern[np.ix_([*rows[a], *rows[b]], [*columns[a], *columns[b], *moved])] = True
     for d in range(size.dynamic):
@@ -397,10 +359,10 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         pattern[size.position + k, size.velocity + k] = True
         pattern[size.velocity + k, size.position : size.column] = True
     for i in range(size.chambers):
-        moved = _moved(arrays, int(arrays.chambers.table[i]), CHANNEL_MOTION)
+        moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
         velocities = [column + size.velocity - size.position for column in moved]
         pattern[np.ix_(velocities, columns[i])] = True
-    pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, PORT_AREA])]
+    pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, col.PORT_AREA])]
     pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
     return pattern
 
@@ -412,7 +374,7 @@ def _basis(arrays: SystemArrays) -> BoolArray:
     for d in range(size.dynamic):
         basis[size.mass + d, size.gas + d] = True
     for i in range(size.chambers):
-        moved = _moved(arrays, int(arrays.chambers.table[i]), CHANNEL_MOTION)
+        moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
         basis[size.mass + arrays.dynamic_index[i], moved] = True
     return basis
 
@@ -432,11 +394,11 @@ def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
     coupled = [1, *range(size.load, size.core)]
     pattern[np.ix_(coupled, coupled)] = True
     for element in arrays.elements:
-        a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
+        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
         columns = [*_columns(arrays, a), *_columns(arrays, b)]
-        if element[ELEMENT_KIND] == FLUID_COLUMN:
-            place = size.column + int(element[PARAMETER_4])
-            own = list(range(place, place + 1 + int(element[KNOTS])))
+        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
+            place = size.column + int(element[col.PARAMETER_4])
+            own = list(range(place, place + 1 + int(element[col.KNOTS])))
             pattern[np.ix_(own, [*own, *columns])] = True
             columns.append(place)
         pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns)] = True

@@ -28,44 +28,8 @@ from toothspace.closures.journal_friction import (
 )
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    BEARINGS,
-    BOUNDARY_FRICTION,
-    BUSH_X,
-    BUSH_Y,
-    CARRIER_X,
-    CARRIER_Y,
-    CHANNEL_MOTION,
-    CURVE_BOUNDARY,
-    CURVE_DECAY,
-    CURVE_LINE,
-    CURVE_LOAD,
-    CURVE_OFFSET,
-    CURVE_RISE,
-    CURVE_TRANSITION,
-    CURVES,
-    DIRECTION,
-    DRIVEN_FRICTION,
-    DRIVEN_SENSE,
-    FADE,
-    FILM_FORCE,
-    FILM_MAP,
-    FILM_X,
-    FILM_Y,
-    JOURNAL_CLEARANCE,
-    JOURNAL_VISCOSITY,
-    LATERAL_DRAG,
-    LENGTH,
-    MOTION_RATIO,
-    MOTION_X,
-    MOTION_Y,
-    PRESSURE,
-    PRESSURE_FORCE,
-    RADIUS,
-    ROTATION,
-    SPEED_RATIO,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 
@@ -75,6 +39,11 @@ FORCE, LOAD, SHEAR = 0, 1, 2
 LEAST_FORCE = 1e-3
 """Force on a journal below which its friction is that of this force. [N]"""
 
+CREEP_SPEED, LEAST_CREEP = 1e-3, 1e-6
+"""Sliding speeds over which touching surfaces turn their friction round: regularisation. [m/s]"""
+CREEP_SHARE = 0.25
+"""Most that the first of them may be of the mean sliding speed. [-]"""
+
 
 @kernel
 def update_pressure_forces(s: SystemArrays) -> None:
@@ -83,8 +52,8 @@ def update_pressure_forces(s: SystemArrays) -> None:
     for k in range(size.motions):
         force = 0.0
         for i in range(size.chambers):
-            force += node[i, PRESSURE] * values[i, CHANNEL_MOTION + k]
-        motion[k, PRESSURE_FORCE] = force
+            force += node[i, col.PRESSURE] * values[i, col.CHANNEL_MOTION + k]
+        motion[k, col.PRESSURE_FORCE] = force
 
 
 @kernel
@@ -111,18 +80,18 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
     for j in range(size.journals):
         ex, ey = journal_place(s, state, j)
         vx, vy = journal_velocity(s, state, j)
-        speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
-        scale = journal[j, BEARINGS] * viscosity * journal[j, JOURNAL_VISCOSITY]
-        scale *= journal[j, LENGTH] * (journal[j, RADIUS] / c) ** 3
-        nodes = s.film.nodes[int(journal[j, FILM_MAP])]
+        speed, c = own_speed(s, state, j), journal[j, col.JOURNAL_CLEARANCE]
+        scale = journal[j, col.BEARINGS] * viscosity * journal[j, col.JOURNAL_VISCOSITY]
+        scale *= journal[j, col.LENGTH] * (journal[j, col.RADIUS] / c) ** 3
+        nodes = s.film.nodes[int(journal[j, col.FILM_MAP])]
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
-        journal[j, FILM_X] = journal[j, FILM_Y] = 0.0
+        journal[j, col.FILM_X] = journal[j, col.FILM_Y] = 0.0
         add_force(s, j, force[0], force[1])
         add_slopes(s, j, 0, (force[2], force[3], force[6], force[7]))
         add_slopes(s, j, 1, (force[4], force[5], force[8], force[9]))
         add_asperity_force(s, j, ex, ey)
-        if journal[j, ROTATION] >= 0.0:
+        if journal[j, col.ROTATION] >= 0.0:
             hold_back(s, state, j, (ex, ey), force)
 
 
@@ -130,11 +99,11 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
 def journal_place(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
     """Displacement of a journal from the middle of its bearing. [m]."""
     journal, first = s.journal[j], s.size.position
-    ex = state[first + int(journal[MOTION_X])] - journal[BUSH_X]
-    ey = state[first + int(journal[MOTION_Y])] - journal[BUSH_Y]
-    if journal[CARRIER_X] >= 0.0:
-        ex -= state[first + int(journal[CARRIER_X])]
-        ey -= state[first + int(journal[CARRIER_Y])]
+    ex = state[first + int(journal[col.MOTION_X])] - journal[col.BUSH_X]
+    ey = state[first + int(journal[col.MOTION_Y])] - journal[col.BUSH_Y]
+    if journal[col.CARRIER_X] >= 0.0:
+        ex -= state[first + int(journal[col.CARRIER_X])]
+        ey -= state[first + int(journal[col.CARRIER_Y])]
     return ex, ey
 
 
@@ -142,10 +111,10 @@ def journal_place(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
 def journal_velocity(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
     """Velocity of a journal relative to its bearing. [m/s]."""
     journal, first = s.journal[j], s.size.velocity
-    vx, vy = state[first + int(journal[MOTION_X])], state[first + int(journal[MOTION_Y])]
-    if journal[CARRIER_X] >= 0.0:
-        vx -= state[first + int(journal[CARRIER_X])]
-        vy -= state[first + int(journal[CARRIER_Y])]
+    vx, vy = state[first + int(journal[col.MOTION_X])], state[first + int(journal[col.MOTION_Y])]
+    if journal[col.CARRIER_X] >= 0.0:
+        vx -= state[first + int(journal[col.CARRIER_X])]
+        vy -= state[first + int(journal[col.CARRIER_Y])]
     return vx, vy
 
 
@@ -153,26 +122,26 @@ def journal_velocity(s: SystemArrays, state: Array, j: int) -> tuple[float, floa
 def add_force(s: SystemArrays, j: int, force_x: float, force_y: float) -> None:
     """Add a force on a journal, and its reaction on what carries the bearing. [N]."""
     journal, motion = s.journal[j], s.motion
-    journal[FILM_X] += force_x
-    journal[FILM_Y] += force_y
-    motion[int(journal[MOTION_X]), FILM_FORCE] += force_x
-    motion[int(journal[MOTION_Y]), FILM_FORCE] += force_y
-    if journal[CARRIER_X] >= 0.0:
-        motion[int(journal[CARRIER_X]), FILM_FORCE] -= force_x
-        motion[int(journal[CARRIER_Y]), FILM_FORCE] -= force_y
+    journal[col.FILM_X] += force_x
+    journal[col.FILM_Y] += force_y
+    motion[int(journal[col.MOTION_X]), col.FILM_FORCE] += force_x
+    motion[int(journal[col.MOTION_Y]), col.FILM_FORCE] += force_y
+    if journal[col.CARRIER_X] >= 0.0:
+        motion[int(journal[col.CARRIER_X]), col.FILM_FORCE] -= force_x
+        motion[int(journal[col.CARRIER_Y]), col.FILM_FORCE] -= force_y
 
 
 @kernel
 def add_slopes(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, float]) -> None:
     """Add derivatives of a force on a journal: x by x, x by y, y by x, y by y."""
     journal, slopes = s.journal[j], s.film_slopes[order]
-    own = int(journal[MOTION_X]), int(journal[MOTION_Y])
+    own = int(journal[col.MOTION_X]), int(journal[col.MOTION_Y])
     for row in range(2):
         for column in range(2):
             slope = by[2 * row + column]
             slopes[own[row], own[column]] += slope
-            if journal[CARRIER_X] >= 0.0:
-                carrier = int(journal[CARRIER_X]), int(journal[CARRIER_Y])
+            if journal[col.CARRIER_X] >= 0.0:
+                carrier = int(journal[col.CARRIER_X]), int(journal[col.CARRIER_Y])
                 slopes[own[row], carrier[column]] -= slope
                 slopes[carrier[row], own[column]] -= slope
                 slopes[carrier[row], carrier[column]] += slope
@@ -182,33 +151,45 @@ def add_slopes(s: SystemArrays, j: int, order: int, by: tuple[float, float, floa
 def add_torque_slopes(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> None:
     """Take derivatives by the place of a journal from the torque on a body that turns alone."""
     journal = s.journal[j]
-    row = s.film_slopes[order, int(journal[ROTATION])]
-    row[int(journal[MOTION_X])] -= by_x
-    row[int(journal[MOTION_Y])] -= by_y
-    if journal[CARRIER_X] >= 0.0:
-        row[int(journal[CARRIER_X])] += by_x
-        row[int(journal[CARRIER_Y])] += by_y
+    row = s.film_slopes[order, int(journal[col.ROTATION])]
+    row[int(journal[col.MOTION_X])] -= by_x
+    row[int(journal[col.MOTION_Y])] -= by_y
+    if journal[col.CARRIER_X] >= 0.0:
+        row[int(journal[col.CARRIER_X])] += by_x
+        row[int(journal[col.CARRIER_Y])] += by_y
+
+
+@kernel
+def add_speed_slopes(s: SystemArrays, j: int, x_by_speed: float, y_by_speed: float) -> None:
+    """Add derivatives of a force on a journal by the speed of a body that turns on its own."""
+    journal, slopes = s.journal[j], s.film_slopes[1]
+    k = int(journal[col.ROTATION])
+    slopes[int(journal[col.MOTION_X]), k] += x_by_speed
+    slopes[int(journal[col.MOTION_Y]), k] += y_by_speed
+    if journal[col.CARRIER_X] >= 0.0:
+        slopes[int(journal[col.CARRIER_X]), k] -= x_by_speed
+        slopes[int(journal[col.CARRIER_Y]), k] -= y_by_speed
 
 
 @kernel
 def update_lateral_drag(s: SystemArrays, state: Array) -> None:
     """Start the film forces with the torque of the lateral films on bodies free to turn."""
     motion, slopes, size, now = s.motion, s.film_slopes, s.size, s.lateral.now
-    stress = s.drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
+    stress = s.drive[col.DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
     for k in range(size.motions):
         for m in range(size.motions):
             slopes[0, k, m] = slopes[1, k, m] = 0.0
-        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
-        turning = motion[k, MOTION_RATIO] * state[1] + state[size.velocity + k]
-        held = motion[k, LATERAL_DRAG] * motion[k, MOTION_RATIO] * stress
-        motion[k, FILM_FORCE] = -drag * turning - held
+        drag = motion[k, col.LATERAL_DRAG] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+        turning = motion[k, col.MOTION_RATIO] * state[1] + state[size.velocity + k]
+        held = motion[k, col.LATERAL_DRAG] * motion[k, col.MOTION_RATIO] * stress
+        motion[k, col.FILM_FORCE] = -drag * turning - held
         slopes[1, k, k] = -drag
 
 
 @kernel
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
-    c = s.journal[j, JOURNAL_CLEARANCE]
+    c = s.journal[j, col.JOURNAL_CLEARANCE]
     distance = math.sqrt(ex * ex + ey * ey)
     if distance < SMALL_RATIO * c:
         return
@@ -223,28 +204,66 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
 
 
 @kernel
+def own_speed(s: SystemArrays, state: Array, j: int) -> float:
+    """Angular speed of the body in a bearing. [rad/s]."""
+    speed, k = s.journal[j, col.SPEED_RATIO] * state[1], int(s.journal[j, col.ROTATION])
+    return float(speed + state[s.size.velocity + k]) if k >= 0 else float(speed)
+
+
+@kernel
+def sliding_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    r"""Sense in which the surfaces of a bearing slide, -1 to 1, and its slope by speed. [s/rad].
+
+    Notes
+    -----
+    That of the shaft, but for a body that turns on its own with :math:`\dot q`:
+
+    .. math:: \operatorname{sgn}(i\,\omega) + \tanh\frac{i\,\omega + \dot q}{\omega_c}
+        - \tanh\frac{i\,\omega}{\omega_c}
+
+    so that friction brings it to rest, at a creeping speed :math:`\omega_c`, but never turns it
+    backwards.
+    """
+    journal = s.journal
+    mean, radius = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.RADIUS]
+    sense = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
+    if journal[j, col.ROTATION] < 0.0:
+        return sense, 0.0
+    creep = max(min(CREEP_SPEED / radius, CREEP_SHARE * abs(mean)), LEAST_CREEP / radius)
+    now = math.tanh(own_speed(s, state, j) / creep)
+    sense += now - math.tanh(mean / creep)
+    return min(max(sense, -1.0), 1.0), (1.0 - now * now) / creep
+
+
+@kernel
 def hold_back(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
-    journal, k = s.journal, int(s.journal[j, ROTATION])
+    journal, k = s.journal, int(s.journal[j, col.ROTATION])
     ex, ey = place
+    # the film is dragged along by the body's own speed
+    x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
+    y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
+    add_speed_slopes(s, j, x_by_speed, y_by_speed)
     viscous, asperity = journal_torques(s, state, j)
-    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
-    if journal[j, CURVES] > 0:
-        add_curve_slopes(s, state, j, turning)
+    s.motion[k, col.FILM_FORCE] -= viscous + asperity
+    sense, by_speed = sliding_sense(s, state, j)
+    if journal[j, col.CURVES] > 0:
+        add_curve_slopes(s, state, j, sense, by_speed)
         return
-    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
+    c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
-    _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    growth = journal[j, BOUNDARY_FRICTION] * radius * by_ratio
+    load, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
+    drag = shear_drag(s, j, ratio)
+    touching = journal[j, col.BOUNDARY_FRICTION] * radius
+    growth = sense * touching * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
-        shear = viscous - turning * journal_pressure_torque(ex, ey, force[0], force[1])
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+        shear = drag * own_speed(s, state, j)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
-    growth *= turning / (c * distance)
+    growth *= 1.0 / (c * distance)
     add_torque_slopes(
         s,
         j,
@@ -255,37 +274,52 @@ def hold_back(
     add_torque_slopes(
         s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5])
     )
+    s.film_slopes[1, k, k] -= drag + by_speed * touching * load
+    s.film_slopes[1, k, k] -= 0.5 * (ex * y_by_speed - ey * x_by_speed)
+
+
+@kernel
+def shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
+    """Torque of viscous shear over speed of the journals of one body. [N m s/rad].
+
+    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
+    full one.
+    """
+    row = s.journal[j]
+    viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
+    shear = row[col.BEARINGS] * journal_shear_torque(
+        min(ratio, HIGHEST_FILM_RATIO),
+        1.0,
+        viscosity,
+        row[col.RADIUS],
+        row[col.LENGTH],
+        row[col.JOURNAL_CLEARANCE],
+    )
+    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    return float(shear * solved)
 
 
 @kernel
 def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
-    r"""Viscous and asperity friction torque on the journals of one body, both positive. [N m].
+    r"""Viscous and asperity friction torque on the journals of one body, against its speed. [N m].
 
     Notes
     -----
-    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
-    full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
-    :func:`curve_torques` instead.
+    :func:`shear_drag` times the speed plus :func:`journal_pressure_torque`, and boundary friction
+    of the load on asperities. A bearing with a friction curve has :func:`curve_torques` instead.
     """
     journal = s.journal
-    if journal[j, CURVES] > 0:
-        force = math.sqrt(journal[j, FILM_X] ** 2 + journal[j, FILM_Y] ** 2)
-        return curve_torques(s, state, j, force)
+    sense, _ = sliding_sense(s, state, j)
+    if journal[j, col.CURVES] > 0:
+        force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
+        film, boundary = curve_torques(s, state, j, force)
+        return sense * film, sense * boundary
     ex, ey = journal_place(s, state, j)
-    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
-    ratio = math.sqrt(ex * ex + ey * ey) / c
-    limited = min(ratio, HIGHEST_FILM_RATIO)
-    speed = abs(journal[j, SPEED_RATIO] * state[1])
-    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    viscosity = s.fluid.dynamic_viscosity * journal[j, JOURNAL_VISCOSITY]
-    shear = journal[j, BEARINGS] * journal_shear_torque(
-        limited, speed, viscosity, radius, journal[j, LENGTH], c
-    )
-    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
-    shear *= solved
-    moment = turning * journal_pressure_torque(ex, ey, journal[j, FILM_X], journal[j, FILM_Y])
+    ratio = math.sqrt(ex * ex + ey * ey) / journal[j, col.JOURNAL_CLEARANCE]
+    shear = shear_drag(s, j, ratio) * own_speed(s, state, j)
+    moment = journal_pressure_torque(ex, ey, journal[j, col.FILM_X], journal[j, col.FILM_Y])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
+    return shear + moment, sense * journal[j, col.BOUNDARY_FRICTION] * load * journal[j, col.RADIUS]
 
 
 @kernel
@@ -301,11 +335,11 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     term that fades with S counts as friction of asperities.
     """
     row = s.journal[j]
-    radius = row[RADIUS]
-    speed = abs(row[SPEED_RATIO] * state[1])
-    load, clearance = max(force, LEAST_FORCE) / row[BEARINGS], row[JOURNAL_CLEARANCE]
-    viscosity = s.fluid.dynamic_viscosity * row[JOURNAL_VISCOSITY]
-    number = sommerfeld_number(speed, load, viscosity, radius, row[LENGTH], clearance)
+    radius = row[col.RADIUS]
+    speed = abs(own_speed(s, state, j))
+    load, clearance = max(force, LEAST_FORCE) / row[col.BEARINGS], row[col.JOURNAL_CLEARANCE]
+    viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
+    number = sommerfeld_number(speed, load, viscosity, radius, row[col.LENGTH], clearance)
     lower, share = _curve_place(s, j, load)
     film, boundary = 0.0, 0.0
     for k, part in ((lower, 1.0 - share), (lower + 1, share)):
@@ -313,13 +347,13 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
             curve = s.friction_curves[j, k]
             film += part * film_friction_term(
                 number,
-                curve[CURVE_RISE],
-                curve[CURVE_TRANSITION],
-                curve[CURVE_OFFSET],
-                curve[CURVE_LINE],
+                curve[col.CURVE_RISE],
+                curve[col.CURVE_TRANSITION],
+                curve[col.CURVE_OFFSET],
+                curve[col.CURVE_LINE],
             )
             boundary += part * boundary_friction_term(
-                number, curve[CURVE_BOUNDARY], curve[CURVE_DECAY]
+                number, curve[col.CURVE_BOUNDARY], curve[col.CURVE_DECAY]
             )
     return film * max(force, LEAST_FORCE) * radius, boundary * force * radius
 
@@ -327,30 +361,32 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
 @kernel
 def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
     """Friction curve below a load on one bearing [N], and the share of the next one. [-]."""
-    curves, last = s.friction_curves, int(s.journal[j, CURVES]) - 1
+    curves, last = s.friction_curves, int(s.journal[j, col.CURVES]) - 1
     wanted = math.log(load)
-    if last == 0 or wanted <= curves[j, 0, CURVE_LOAD]:
+    if last == 0 or wanted <= curves[j, 0, col.CURVE_LOAD]:
         return 0, 0.0
-    if wanted >= curves[j, last, CURVE_LOAD]:
+    if wanted >= curves[j, last, col.CURVE_LOAD]:
         return last, 0.0
     k = 0
-    while wanted > curves[j, k + 1, CURVE_LOAD]:
+    while wanted > curves[j, k + 1, col.CURVE_LOAD]:
         k += 1
-    low, high = curves[j, k, CURVE_LOAD], curves[j, k + 1, CURVE_LOAD]
+    low, high = curves[j, k, col.CURVE_LOAD], curves[j, k + 1, col.CURVE_LOAD]
     return k, (wanted - low) / (high - low)
 
 
 @kernel
-def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
+def add_curve_slopes(s: SystemArrays, state: Array, j: int, sense: float, by_speed: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
-    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-    fx, fy = journal[j, FILM_X], journal[j, FILM_Y]
+    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
+    fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
     force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
     step = 1e-4 * force
     film, boundary = curve_torques(s, state, j, force + step)
     less_film, less_boundary = curve_torques(s, state, j, force - step)
-    growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    growth = sense * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    k = int(journal[j, col.ROTATION])
+    slopes[1, k, k] -= by_speed * (film + boundary)
     for order in range(2):
         rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
         rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
@@ -361,22 +397,20 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal = s.journal
-    total, share = 0.0, s.drive[DIRECTION] * s.drive[FADE]
-    s.drive[DRIVEN_FRICTION] = 0.0
+    total = 0.0
+    s.drive[col.DRIVEN_FRICTION] = 0.0
     for j in range(s.size.journals):
+        ratio, rotation = journal[j, col.SPEED_RATIO], int(journal[j, col.ROTATION])
+        share = 0.0 if rotation < 0 and s.drive[col.DIRECTION] == 0.0 else s.drive[col.FADE]
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
-        ratio = abs(journal[j, SPEED_RATIO])
-        turning = ratio * state[1]
-        if journal[j, ROTATION] >= 0.0:
-            ahead = state[s.size.velocity + int(journal[j, ROTATION])]
-            turning += np.sign(journal[j, SPEED_RATIO]) * ahead
+        turning = own_speed(s, state, j)
         vx, vy = journal_velocity(s, state, j)
-        squeeze = journal[j, FILM_X] * vx + journal[j, FILM_Y] * vy
+        squeeze = journal[j, col.FILM_X] * vx + journal[j, col.FILM_Y] * vy
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
         s.torque[JOURNAL_ASPERITY] += ratio * asperity
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
-        s.drive[DRIVEN_FRICTION] -= journal[j, DRIVEN_SENSE] * (viscous + asperity)
+        s.drive[col.DRIVEN_FRICTION] -= abs(journal[j, col.DRIVEN_SENSE]) * (viscous + asperity)
     return total

@@ -19,27 +19,8 @@ from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    CHANNEL_MOTION,
-    CHANNEL_VOLUME,
-    DENSITY,
-    EXCHANGE_BY_GAS,
-    EXCHANGE_BY_PRESSURE,
-    EXCHANGE_RATE,
-    GAS,
-    GAS_ENTHALPY,
-    GAS_RATE,
-    LIQUID_ENTHALPY,
-    PRESSURE,
-    PRESSURE_BY_GAS,
-    PRESSURE_BY_MASS,
-    PRESSURE_BY_VOLUME,
-    REST_VOLUME,
-    VOLUME,
-    VOLUME_RATE,
-    WALL_SLOPE,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.walls import update_volume
 
 
@@ -48,14 +29,14 @@ def update_volumes(s: SystemArrays, state: Array) -> None:
     """Volumes of all chambers and their derivative with respect to the shaft angle."""
     node, values, slopes, size = s.node, s.chamber_values, s.chamber_slopes, s.size
     for i in range(size.chambers):
-        volume = values[i, CHANNEL_VOLUME]
-        slope = slopes[i, CHANNEL_VOLUME]
+        volume = values[i, col.CHANNEL_VOLUME]
+        slope = slopes[i, col.CHANNEL_VOLUME]
         for k in range(size.motions):
             q = state[size.position + k]
-            volume += values[i, CHANNEL_MOTION + k] * q
-            slope += slopes[i, CHANNEL_MOTION + k] * q
-        node[i, VOLUME] = volume
-        node[i, VOLUME_RATE] = slope
+            volume += values[i, col.CHANNEL_MOTION + k] * q
+            slope += slopes[i, col.CHANNEL_MOTION + k] * q
+        node[i, col.VOLUME] = volume
+        node[i, col.VOLUME_RATE] = slope
 
 
 @kernel
@@ -72,11 +53,11 @@ def update_pressures(s: SystemArrays, state: Array) -> None:
         if d < 0:
             continue
         mass, gas_mass = state[size.mass + d], state[size.gas + d]
-        if node[i, REST_VOLUME] > 0.0:
+        if node[i, col.REST_VOLUME] > 0.0:
             update_volume(node[i], mass, gas_mass / mass, fluid)
         update_pressure(node, i, mass, gas_mass, fluid)
-        softer = 1.0 / (1.0 - node[i, WALL_SLOPE] * node[i, PRESSURE_BY_VOLUME])
-        for column in (PRESSURE_BY_MASS, PRESSURE_BY_GAS, PRESSURE_BY_VOLUME):
+        softer = 1.0 / (1.0 - node[i, col.WALL_SLOPE] * node[i, col.PRESSURE_BY_VOLUME])
+        for column in (col.PRESSURE_BY_MASS, col.PRESSURE_BY_GAS, col.PRESSURE_BY_VOLUME):
             node[i, column] *= softer
 
 
@@ -84,14 +65,14 @@ def update_pressures(s: SystemArrays, state: Array) -> None:
 def update_pressure(node: Array, i: int, mass: float, gas_mass: float, fluid: FluidLaw) -> None:
     """Pressure of one node at its volume, with derivatives."""
     per_mass = 1.0 / mass
-    gas, specific_volume = gas_mass * per_mass, node[i, VOLUME] * per_mass
+    gas, specific_volume = gas_mass * per_mass, node[i, col.VOLUME] * per_mass
     p, by_volume, by_gas = mixture_pressure(specific_volume, gas, fluid)
-    node[i, PRESSURE] = p
-    node[i, GAS] = gas
-    node[i, DENSITY] = 1.0 / specific_volume
-    node[i, PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) * per_mass
-    node[i, PRESSURE_BY_GAS] = by_gas * per_mass
-    node[i, PRESSURE_BY_VOLUME] = by_volume * per_mass
+    node[i, col.PRESSURE] = p
+    node[i, col.GAS] = gas
+    node[i, col.DENSITY] = 1.0 / specific_volume
+    node[i, col.PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) * per_mass
+    node[i, col.PRESSURE_BY_GAS] = by_gas * per_mass
+    node[i, col.PRESSURE_BY_VOLUME] = by_volume * per_mass
 
 
 @kernel
@@ -99,9 +80,9 @@ def update_enthalpies(s: SystemArrays) -> None:
     """Partial enthalpies of liquid and gas in every node, for the energy ledger."""
     node, fluid = s.node, s.fluid
     for i in range(s.size.nodes):
-        liquid, gas = partial_enthalpies(node[i, PRESSURE], node[i, GAS], fluid)
-        node[i, LIQUID_ENTHALPY] = liquid
-        node[i, GAS_ENTHALPY] = gas
+        liquid, gas = partial_enthalpies(node[i, col.PRESSURE], node[i, col.GAS], fluid)
+        node[i, col.LIQUID_ENTHALPY] = liquid
+        node[i, col.GAS_ENTHALPY] = gas
 
 
 @kernel
@@ -118,11 +99,11 @@ def exchange_gas(s: SystemArrays, state: Array) -> None:
 @merged
 def exchange(node: Array, i: int, mass: float, fluid: FluidLaw) -> None:
     """Release or dissolve gas in one node."""
-    rate, by_pressure, by_gas = gas_exchange_rate(node[i, PRESSURE], node[i, GAS], fluid)
-    node[i, GAS_RATE] += mass * rate
-    node[i, EXCHANGE_RATE] = rate
-    node[i, EXCHANGE_BY_PRESSURE] = by_pressure
-    node[i, EXCHANGE_BY_GAS] = by_gas
+    rate, by_pressure, by_gas = gas_exchange_rate(node[i, col.PRESSURE], node[i, col.GAS], fluid)
+    node[i, col.GAS_RATE] += mass * rate
+    node[i, col.EXCHANGE_RATE] = rate
+    node[i, col.EXCHANGE_BY_PRESSURE] = by_pressure
+    node[i, col.EXCHANGE_BY_GAS] = by_gas
 
 
 @kernel
@@ -133,6 +114,6 @@ def gas_relaxation(s: SystemArrays, state: Array) -> float:
     for i in range(size.nodes):
         d = dynamic[i]
         if d >= 0:
-            exchanged = state[size.mass + d] * node[i, EXCHANGE_RATE]
-            loss -= exchanged * (node[i, GAS_ENTHALPY] - node[i, LIQUID_ENTHALPY])
+            exchanged = state[size.mass + d] * node[i, col.EXCHANGE_RATE]
+            loss -= exchanged * (node[i, col.GAS_ENTHALPY] - node[i, col.LIQUID_ENTHALPY])
     return loss

@@ -11,28 +11,8 @@ from __future__ import annotations
 from toothspace.closures.hydraulic_resistance import resistance_flow, throttle_flow, valve_flow
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    DENSITY,
-    ELEMENT_A,
-    ELEMENT_B,
-    ELEMENT_BY_A,
-    ELEMENT_BY_B,
-    ELEMENT_FLOW,
-    ELEMENT_KIND,
-    FIRST_KNOT,
-    GAS,
-    GAS_ENTHALPY,
-    GAS_RATE,
-    KNOTS,
-    LIQUID_ENTHALPY,
-    MASS_RATE,
-    PARAMETER_1,
-    PARAMETER_2,
-    PARAMETER_3,
-    PARAMETER_4,
-    PRESSURE,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.drive import scheduled
 from toothspace.model.fluid_column import FLUID_COLUMN, column_flow, column_power
 from toothspace.model.ledger import CIRCUIT, SUPPLY
@@ -46,36 +26,37 @@ def update_elements(s: SystemArrays, state: Array, time: float) -> None:
     elements, node = s.elements, s.node
     for j in range(elements.shape[0]):
         element = elements[j]
-        a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
-        if element[ELEMENT_KIND] == FLUID_COLUMN:
+        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
             flow, by_drop = column_flow(s, element, state), 0.0
         else:
-            drop = node[a, PRESSURE] - node[b, PRESSURE]
+            drop = node[a, col.PRESSURE] - node[b, col.PRESSURE]
             flow, by_drop = element_flow(s, element, drop, time)
-        density = node[a, DENSITY] if flow >= 0.0 else node[b, DENSITY]
-        gas = node[a, GAS] if flow >= 0.0 else node[b, GAS]
-        element[ELEMENT_FLOW] = density * flow
-        element[ELEMENT_BY_A] = density * by_drop
-        element[ELEMENT_BY_B] = -density * by_drop
-        node[a, MASS_RATE] -= density * flow
-        node[b, MASS_RATE] += density * flow
-        node[a, GAS_RATE] -= gas * density * flow
-        node[b, GAS_RATE] += gas * density * flow
+        density = node[a, col.DENSITY] if flow >= 0.0 else node[b, col.DENSITY]
+        gas = node[a, col.GAS] if flow >= 0.0 else node[b, col.GAS]
+        element[col.ELEMENT_FLOW] = density * flow
+        element[col.ELEMENT_BY_A] = density * by_drop
+        element[col.ELEMENT_BY_B] = -density * by_drop
+        node[a, col.MASS_RATE] -= density * flow
+        node[b, col.MASS_RATE] += density * flow
+        node[a, col.GAS_RATE] -= gas * density * flow
+        node[b, col.GAS_RATE] += gas * density * flow
 
 
 @kernel
 def element_flow(s: SystemArrays, element: Array, drop: float, time: float) -> tuple[float, float]:
     """Volume flow of an element and its derivative with respect to the pressure drop."""
-    kind = element[ELEMENT_KIND]
+    kind = element[col.ELEMENT_KIND]
     if kind == PRESSURE_VALVE:
-        return valve_flow(drop, element[PARAMETER_1], element[PARAMETER_2], element[PARAMETER_3])
+        opening, gradient = element[col.PARAMETER_1], element[col.PARAMETER_2]
+        return valve_flow(drop, opening, gradient, element[col.PARAMETER_3])
     if kind == RESISTANCE:
-        return resistance_flow(drop, element[PARAMETER_1], element[PARAMETER_2])
-    value = scheduled(s.schedule, int(element[FIRST_KNOT]), int(element[KNOTS]), time)
+        return resistance_flow(drop, element[col.PARAMETER_1], element[col.PARAMETER_2])
+    value = scheduled(s.schedule, int(element[col.FIRST_KNOT]), int(element[col.KNOTS]), time)
     if kind == SUPPLY_PUMP:
         return supply_flow(s, element, drop, value)
-    density = s.node[int(element[ELEMENT_A if drop >= 0.0 else ELEMENT_B]), DENSITY]
-    return throttle_flow(drop, element[PARAMETER_1] * value, density)
+    density = s.node[int(element[col.ELEMENT_A if drop >= 0.0 else col.ELEMENT_B]), col.DENSITY]
+    return throttle_flow(drop, element[col.PARAMETER_1] * value, density)
 
 
 @kernel
@@ -86,13 +67,14 @@ def supply_flow(s: SystemArrays, element: Array, drop: float, speed: float) -> t
     its change per pressure rise (or the first row of an efficiency map, as minus one minus
     the row) and the leakage per pressure rise.
     """
-    ideal = element[PARAMETER_1] * speed
-    slip = element[PARAMETER_4]
-    if element[PARAMETER_2] < 0.0:
-        efficiency, slope = map_efficiency(s.schedule, int(-element[PARAMETER_2]) - 1, speed, -drop)
+    ideal = element[col.PARAMETER_1] * speed
+    slip = element[col.PARAMETER_4]
+    if element[col.PARAMETER_2] < 0.0:
+        first = int(-element[col.PARAMETER_2]) - 1
+        efficiency, slope = map_efficiency(s.schedule, first, speed, -drop)
     else:
-        slope = element[PARAMETER_3]
-        efficiency = element[PARAMETER_2] - slope * drop
+        slope = element[col.PARAMETER_3]
+        efficiency = element[col.PARAMETER_2] - slope * drop
     flow = ideal * efficiency + slip * drop
     if flow * ideal <= 0.0:
         return 0.0, 0.0
@@ -134,14 +116,14 @@ def book_circuit(s: SystemArrays, state: Array, ledger: Array) -> None:
     node = s.node
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
-        flow = element[ELEMENT_FLOW]
-        a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
-        gas = node[a, GAS] if flow > 0.0 else node[b, GAS]
-        rise = (1.0 - gas) * (node[b, LIQUID_ENTHALPY] - node[a, LIQUID_ENTHALPY])
-        rise += gas * (node[b, GAS_ENTHALPY] - node[a, GAS_ENTHALPY])
-        if element[ELEMENT_KIND] == SUPPLY_PUMP:
+        flow = element[col.ELEMENT_FLOW]
+        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+        gas = node[a, col.GAS] if flow > 0.0 else node[b, col.GAS]
+        rise = (1.0 - gas) * (node[b, col.LIQUID_ENTHALPY] - node[a, col.LIQUID_ENTHALPY])
+        rise += gas * (node[b, col.GAS_ENTHALPY] - node[a, col.GAS_ENTHALPY])
+        if element[col.ELEMENT_KIND] == SUPPLY_PUMP:
             ledger[SUPPLY] += flow * rise
             continue
         ledger[CIRCUIT] -= flow * rise
-        if element[ELEMENT_KIND] == FLUID_COLUMN:
+        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
             ledger[CIRCUIT] -= column_power(s, element, state)

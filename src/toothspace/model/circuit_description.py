@@ -8,37 +8,7 @@ from typing import Literal, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    ADDED_FRICTION,
-    BREAKAWAY,
-    BREAKAWAY_SPEED,
-    COUPLING_DAMPING,
-    COUPLING_STIFFNESS,
-    DIRECTION,
-    DRIVE_COLUMNS,
-    ELEMENT_A,
-    ELEMENT_B,
-    ELEMENT_COLUMNS,
-    ELEMENT_KIND,
-    FADE,
-    FIRST_KNOT,
-    FREE,
-    INERTIA,
-    KNOTS,
-    LOAD_CONSTANT,
-    LOAD_CUBIC,
-    LOAD_INERTIA,
-    LOAD_KNOT,
-    LOAD_KNOTS,
-    LOAD_LINEAR,
-    LOAD_SQUARE,
-    PARAMETER_1,
-    PARAMETER_2,
-    PARAMETER_4,
-    RUNNING_FRICTION,
-    SPEED_KNOT,
-    SPEED_KNOTS,
-)
+from toothspace.model import arrays as col
 from toothspace.model.circuit import PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE, SUPPLY_PUMP
 from toothspace.model.fluid_column import FLUID_COLUMN
 
@@ -224,22 +194,23 @@ def drive_row(
     shaft: FreeShaft | None, shaft_speed: float, running_friction: float, body_inertia: float
 ) -> Array:
     """Row of the shaft; ``running_friction`` is that of the seal. [N m], [kg m2]."""
-    row = np.zeros(DRIVE_COLUMNS)
-    row[FADE] = row[BREAKAWAY_SPEED] = 1.0
-    row[RUNNING_FRICTION] = running_friction
-    row[DIRECTION] = np.sign(shaft_speed)
+    row = np.zeros(col.DRIVE_COLUMNS)
+    row[col.FADE] = row[col.BREAKAWAY_SPEED] = 1.0
+    row[col.RUNNING_FRICTION] = running_friction
+    row[col.DIRECTION] = np.sign(shaft_speed)
     if shaft is not None:
-        row[FREE] = 1.0
-        row[INERTIA] = shaft.inertia + body_inertia
-        row[LOAD_SQUARE] = shaft.square
+        row[col.FREE] = 1.0
+        row[col.INERTIA] = shaft.inertia + body_inertia
+        row[col.LOAD_SQUARE] = shaft.square
         if shaft.coupling is not None:
-            row[[INERTIA, LOAD_INERTIA]] = body_inertia, shaft.inertia
-            row[COUPLING_STIFFNESS] = shaft.coupling.stiffness
-            row[COUPLING_DAMPING] = shaft.coupling.damping
-        row[[LOAD_LINEAR, LOAD_CUBIC, LOAD_CONSTANT]] = shaft.linear, shaft.cubic, shaft.constant
-        row[BREAKAWAY] = shaft.breakaway_torque
-        row[BREAKAWAY_SPEED] = shaft.breakaway_speed
-        row[ADDED_FRICTION] = 1.0 if shaft.additive else 0.0
+            row[[col.INERTIA, col.LOAD_INERTIA]] = body_inertia, shaft.inertia
+            row[col.COUPLING_STIFFNESS] = shaft.coupling.stiffness
+            row[col.COUPLING_DAMPING] = shaft.coupling.damping
+        row[[col.LOAD_LINEAR, col.LOAD_CUBIC]] = shaft.linear, shaft.cubic
+        row[col.LOAD_CONSTANT] = shaft.constant
+        row[col.BREAKAWAY] = shaft.breakaway_torque
+        row[col.BREAKAWAY_SPEED] = shaft.breakaway_speed
+        row[col.ADDED_FRICTION] = 1.0 if shaft.additive else 0.0
     return row
 
 
@@ -254,23 +225,23 @@ def circuit_rows(
     ``schedules`` are the prescribed shaft speed and the torque of the load over time.
     """
     elements = circuit.elements if circuit else ()
-    rows = np.zeros((len(elements), ELEMENT_COLUMNS))
+    rows = np.zeros((len(elements), col.ELEMENT_COLUMNS))
     knots = _Knots()
     states = 0
     for row, element in zip(rows, elements, strict=True):
-        row[ELEMENT_KIND] = _KINDS[element.kind]
-        row[[ELEMENT_A, ELEMENT_B]] = places[element.node_a], places[element.node_b]
-        row[PARAMETER_1 : PARAMETER_1 + len(element.parameters)] = element.parameters
+        row[col.ELEMENT_KIND] = _KINDS[element.kind]
+        row[[col.ELEMENT_A, col.ELEMENT_B]] = places[element.node_a], places[element.node_b]
+        row[col.PARAMETER_1 : col.PARAMETER_1 + len(element.parameters)] = element.parameters
         table = element.memory if element.states else element.schedule
-        row[[FIRST_KNOT, KNOTS]] = knots.add(table), len(table)
+        row[[col.FIRST_KNOT, col.KNOTS]] = knots.add(table), len(table)
         if element.states:
-            row[PARAMETER_4] = states
+            row[col.PARAMETER_4] = states
             states += element.states
         if element.efficiency_map is not None:
-            row[PARAMETER_2] = -1.0 - knots.add(element.efficiency_map)
+            row[col.PARAMETER_2] = -1.0 - knots.add(element.efficiency_map)
     speed, load = schedules
-    drive[[SPEED_KNOT, SPEED_KNOTS]] = knots.add(speed), len(speed)
-    drive[[LOAD_KNOT, LOAD_KNOTS]] = knots.add(load), len(load)
+    drive[[col.SPEED_KNOT, col.SPEED_KNOTS]] = knots.add(speed), len(speed)
+    drive[[col.LOAD_KNOT, col.LOAD_KNOTS]] = knots.add(load), len(load)
     return rows, knots.table
 
 

@@ -16,16 +16,7 @@ from toothspace.closures.contact_law import (
     series_level,
 )
 from toothspace.core.types import Array, BoolArray
-from toothspace.model.arrays import (
-    CURVATURE,
-    GAP,
-    GAP_BY_MOTION,
-    LAW_EXPONENT,
-    LAW_LEVEL,
-    POSSIBLE,
-    ROLLING,
-    SLIDING,
-)
+from toothspace.model import arrays as col
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.description import MachineDescription
 from toothspace.model.ledger import FRICTION_MECHANISMS
@@ -95,45 +86,44 @@ def contact_parts(
     return ContactParts(
         tables=tables,
         pairs=contacts,
-        gate=POSSIBLE if compliant else OPEN,
-        data=np.array(rows, dtype=float).reshape(count, 11),
+        gate=col.POSSIBLE if compliant else OPEN,
+        data=np.array(rows, dtype=float).reshape(count, col.CONTACT_COLUMNS),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
 
-def _constants(contact: ContactPair) -> tuple[float, ...]:
-    """Constants of ``contact`` in their order."""
-    onset = contact.roughness if contact.onset is None else contact.onset
-    speed = contact.approach_speed
-    return (
-        contact.effective_modulus,
-        contact.roughness,
-        contact.boundary_friction,
-        contact.limiting_shear,
-        contact.width,
-        onset,
-        0.0 if speed is None else impact_damping(contact.restitution, speed),
-        float(contact.law in ("pereira", "linear")),
-        FRICTION_MECHANISMS.index(contact.friction_account),
-        float(contact.squeeze_film),
-        impact_damping(contact.restitution, 1.0) if speed is None else 0.0,
-    )
+def _constants(contact: ContactPair) -> Array:
+    """Row of a contact in which nothing acts yet."""
+    row, speed = np.zeros(col.CONTACT_COLUMNS), contact.approach_speed
+    row[col.PAIR_MODULUS], row[col.PAIR_ROUGHNESS] = contact.effective_modulus, contact.roughness
+    row[col.PAIR_BOUNDARY], row[col.PAIR_LIMIT] = contact.boundary_friction, contact.limiting_shear
+    row[col.PAIR_WIDTH] = contact.width
+    row[col.PAIR_ONSET] = contact.roughness if contact.onset is None else contact.onset
+    row[col.PAIR_POWER_LAW] = contact.law in ("pereira", "linear")
+    row[col.PAIR_ACCOUNT] = FRICTION_MECHANISMS.index(contact.friction_account)
+    row[col.PAIR_SQUEEZE] = contact.squeeze_film
+    if speed is None:
+        row[col.PAIR_LOSS] = impact_damping(contact.restitution, 1.0)
+    else:
+        row[col.PAIR_DAMPING] = impact_damping(contact.restitution, speed)
+    return row
 
 
 def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
     """Join what compiled code reads of a compliant contact, in the order of its columns."""
     geometry, motions = contact.geometry, motion_map.shape[1]
-    values = np.zeros((geometry.values.shape[0], GAP_BY_MOTION + 2 * motions))
+    values = np.zeros((geometry.values.shape[0], col.GAP_BY_MOTION + 2 * motions))
     slopes = np.zeros_like(values)
-    for name, column in (("gap", GAP), ("sliding_speed", SLIDING), ("rolling_speed_sum", ROLLING)):
+    places = {"gap": col.GAP, "sliding_speed": col.SLIDING, "rolling_speed_sum": col.ROLLING}
+    for name, column in places.items():
         channel = CONTACT_CHANNELS.index(name)
         values[:, column] = geometry.values[:, channel]
         slopes[:, column] = geometry.slopes[:, channel]
     law = monotone_table(geometry.period, _law_columns(contact))
-    columns = [CURVATURE, LAW_LEVEL, LAW_EXPONENT]
+    columns = [col.CURVATURE, col.LAW_LEVEL, col.LAW_EXPONENT]
     values[:, columns], slopes[:, columns] = law.values, law.slopes
-    values[:, POSSIBLE] = geometry.values[:, 0] < contact.facing_gap
-    first = GAP_BY_MOTION
+    values[:, col.POSSIBLE] = geometry.values[:, 0] < contact.facing_gap
+    first = col.GAP_BY_MOTION
     for table in (contact.gap_by_motion, contact.slip_by_motion):
         if table is not None:
             values[:, first : first + motions] = table.values @ motion_map

@@ -22,47 +22,8 @@ from toothspace.closures.squeeze_film import REACH, squeeze_damping
 from toothspace.closures.traction import FlankSurface, mesh_friction
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    CONTACT_DAMPING,
-    CONTACT_ENERGY,
-    CONTACT_FORCE,
-    CONTACT_FRICTION,
-    CONTACT_LOAD,
-    CONTACT_SLIP,
-    CONTACT_STATE,
-    CONTACT_TORQUE,
-    CURVATURE,
-    EXTERNAL_FORCE,
-    FILM_FORCE,
-    FORCE_BY_OVERLAP,
-    FORCE_BY_RATE,
-    FRICTION_BY_FORCE,
-    FRICTION_BY_SLIP,
-    GAP,
-    GAP_BY_MOTION,
-    LAW_EXPONENT,
-    LAW_LEVEL,
-    PAIR_ACCOUNT,
-    PAIR_BOUNDARY,
-    PAIR_DAMPING,
-    PAIR_LIMIT,
-    PAIR_LOSS,
-    PAIR_MODULUS,
-    PAIR_ONSET,
-    PAIR_POWER_LAW,
-    PAIR_ROUGHNESS,
-    PAIR_SQUEEZE,
-    PAIR_WIDTH,
-    PORT_AREA,
-    POSSIBLE,
-    PRESSURE,
-    PRESSURE_FORCE,
-    ROLLING,
-    SLIDING,
-    SLOPE,
-    VALUE,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.ledger import CONTACT_LOSS, FRICTION
 
 FAR = 1e-3
@@ -74,30 +35,30 @@ LEAST_IMPACT = 1e-4
 def motion_force(s: SystemArrays, k: int) -> float:
     """Sum of all generalised forces on a free motion. [N] or [N m]."""
     motion = s.motion
-    force = motion[k, PRESSURE_FORCE] + motion[k, FILM_FORCE]
-    return force + motion[k, CONTACT_LOAD] + outer_force(s, k)
+    force = motion[k, col.PRESSURE_FORCE] + motion[k, col.FILM_FORCE]
+    return force + motion[k, col.CONTACT_LOAD] + outer_force(s, k)
 
 
 @kernel
 def outer_force(s: SystemArrays, k: int) -> float:
     """Force from outside on a free motion: given load and port pressures on blocks. [N]."""
-    force = s.motion[k, EXTERNAL_FORCE]
-    if s.motion[k, PORT_AREA] != 0.0:
+    force = s.motion[k, col.EXTERNAL_FORCE]
+    if s.motion[k, col.PORT_AREA] != 0.0:
         inlet = s.size.chambers
-        drop = s.node[inlet, PRESSURE] - s.node[inlet + 1, PRESSURE]
-        force += s.motion[k, PORT_AREA] * drop
+        drop = s.node[inlet, col.PRESSURE] - s.node[inlet + 1, col.PRESSURE]
+        force += s.motion[k, col.PORT_AREA] * drop
     return force
 
 
 @kernel
 def contact_gap(s: SystemArrays, state: Array, j: int) -> float:
     """Gap of a compliant contact with the present positions of the bodies. [m]."""
-    values = s.contact_values[VALUE]
-    if values[j, POSSIBLE] == 0.0:
+    values = s.contact_values[col.VALUE]
+    if values[j, col.POSSIBLE] == 0.0:
         return FAR
-    gap = values[j, GAP]
+    gap = values[j, col.GAP]
     for k in range(s.size.motions):
-        gap += values[j, GAP_BY_MOTION + k] * state[s.size.position + k]
+        gap += values[j, col.GAP_BY_MOTION + k] * state[s.size.position + k]
     return gap
 
 
@@ -105,24 +66,24 @@ def contact_gap(s: SystemArrays, state: Array, j: int) -> float:
 def update_contacts(s: SystemArrays, state: Array) -> None:
     """Forces of all compliant contacts and their sums on the free motions."""
     size, contact, motion = s.size, s.contact, s.motion
-    values = s.contact_values[VALUE]
+    values = s.contact_values[col.VALUE]
     for k in range(size.motions):
-        motion[k, CONTACT_LOAD] = 0.0
+        motion[k, col.CONTACT_LOAD] = 0.0
     for j in range(size.compliant):
         gap = contact_gap(s, state, j)
         if gap >= reach_of(contact[j]):
-            contact[j, :CONTACT_STATE] = 0.0
+            contact[j, : col.CONTACT_STATE] = 0.0
             continue
         rate, by_angle, slip = _rates(s, state, j)
         press(s, j, -gap, -rate)
         cushion(s, j, gap, -rate)
-        rub(s, j, slip, values[j, ROLLING] * state[1])
-        contact[j, CONTACT_TORQUE] -= contact[j, CONTACT_FORCE] * by_angle
-        contact[j, CONTACT_TORQUE] -= contact[j, CONTACT_FRICTION] * values[j, SLIDING]
+        rub(s, j, slip, values[j, col.ROLLING] * state[1])
+        contact[j, col.CONTACT_TORQUE] -= contact[j, col.CONTACT_FORCE] * by_angle
+        contact[j, col.CONTACT_TORQUE] -= contact[j, col.CONTACT_FRICTION] * values[j, col.SLIDING]
         for k in range(size.motions):
-            load = contact[j, CONTACT_FORCE] * values[j, GAP_BY_MOTION + k]
-            along = values[j, GAP_BY_MOTION + size.motions + k]
-            motion[k, CONTACT_LOAD] += load + contact[j, CONTACT_FRICTION] * along
+            load = contact[j, col.CONTACT_FORCE] * values[j, col.GAP_BY_MOTION + k]
+            along = values[j, col.GAP_BY_MOTION + size.motions + k]
+            motion[k, col.CONTACT_LOAD] += load + contact[j, col.CONTACT_FRICTION] * along
 
 
 @kernel
@@ -132,95 +93,95 @@ def note_approach(s: SystemArrays, state: Array) -> None:
     Called for accepted states only, so an impact keeps the speed of the last one before it.
     """
     for j in range(s.size.compliant):
-        loss = s.contact[j, PAIR_LOSS]
-        if loss > 0.0 and contact_gap(s, state, j) >= s.contact[j, PAIR_ONSET]:
+        loss = s.contact[j, col.PAIR_LOSS]
+        if loss > 0.0 and contact_gap(s, state, j) >= s.contact[j, col.PAIR_ONSET]:
             rate, _, _ = _rates(s, state, j)
-            s.contact[j, PAIR_DAMPING] = loss / max(-rate, LEAST_IMPACT)
+            s.contact[j, col.PAIR_DAMPING] = loss / max(-rate, LEAST_IMPACT)
 
 
 @kernel
 def _rates(s: SystemArrays, state: Array, j: int) -> tuple[float, float, float]:
     """Rate of the gap [m/s], its part by the angle [m/rad] and the slip [m/s] of a contact."""
-    size, values, slopes = s.size, s.contact_values[VALUE], s.contact_values[SLOPE]
-    by_angle = slopes[j, GAP]
-    slip = values[j, SLIDING] * state[1]
+    size, values, slopes = s.size, s.contact_values[col.VALUE], s.contact_values[col.SLOPE]
+    by_angle = slopes[j, col.GAP]
+    slip = values[j, col.SLIDING] * state[1]
     rate = 0.0
     for k in range(size.motions):
         speed = state[size.velocity + k]
-        by_angle += slopes[j, GAP_BY_MOTION + k] * state[size.position + k]
-        rate += values[j, GAP_BY_MOTION + k] * speed
-        slip += values[j, GAP_BY_MOTION + size.motions + k] * speed
+        by_angle += slopes[j, col.GAP_BY_MOTION + k] * state[size.position + k]
+        rate += values[j, col.GAP_BY_MOTION + k] * speed
+        slip += values[j, col.GAP_BY_MOTION + size.motions + k] * speed
     return rate + by_angle * state[1], by_angle, slip
 
 
 @kernel
 def reach_of(pair: Array) -> float:
     """Gap from which on a contact exerts no force. [m]."""
-    if pair[PAIR_SQUEEZE] > 0.0:
-        return max(REACH * pair[PAIR_ROUGHNESS], pair[PAIR_ONSET])
-    return pair[PAIR_ONSET]
+    if pair[col.PAIR_SQUEEZE] > 0.0:
+        return max(REACH * pair[col.PAIR_ROUGHNESS], pair[col.PAIR_ONSET])
+    return pair[col.PAIR_ONSET]
 
 
 @kernel
 def cushion(s: SystemArrays, j: int, gap: float, rate: float) -> None:
     """Add the force of the film that an approach squeezes out of one contact."""
     contact = s.contact[j]
-    if contact[PAIR_SQUEEZE] == 0.0 or rate <= 0.0:
+    if contact[col.PAIR_SQUEEZE] == 0.0 or rate <= 0.0:
         return
-    curvature, viscosity = s.contact_values[VALUE, j, CURVATURE], s.fluid.dynamic_viscosity
-    damping, by_gap = squeeze_damping(gap, contact[PAIR_ROUGHNESS], curvature, viscosity)
-    width = contact[PAIR_WIDTH]
-    contact[CONTACT_FORCE] += width * damping * rate
-    contact[CONTACT_DAMPING] += width * damping * rate * rate
-    contact[FORCE_BY_OVERLAP] -= width * by_gap * rate
-    contact[FORCE_BY_RATE] += width * damping
+    curvature, viscosity = s.contact_values[col.VALUE, j, col.CURVATURE], s.fluid.dynamic_viscosity
+    damping, by_gap = squeeze_damping(gap, contact[col.PAIR_ROUGHNESS], curvature, viscosity)
+    width = contact[col.PAIR_WIDTH]
+    contact[col.CONTACT_FORCE] += width * damping * rate
+    contact[col.CONTACT_DAMPING] += width * damping * rate * rate
+    contact[col.FORCE_BY_OVERLAP] -= width * by_gap * rate
+    contact[col.FORCE_BY_RATE] += width * damping
 
 
 @kernel
 def press(s: SystemArrays, j: int, overlap: float, rate: float) -> None:
     """Normal force of one contact, its energy, loss and derivatives."""
     contact = s.contact[j]
-    values, slopes = s.contact_values[VALUE], s.contact_values[SLOPE]
-    depth, slope, bend = rounded_depth(overlap, contact[PAIR_ONSET])
+    values, slopes = s.contact_values[col.VALUE], s.contact_values[col.SLOPE]
+    depth, slope, bend = rounded_depth(overlap, contact[col.PAIR_ONSET])
     if depth == 0.0:
-        contact[:CONTACT_STATE] = 0.0
+        contact[: col.CONTACT_STATE] = 0.0
         return
-    if contact[PAIR_POWER_LAW] > 0.0:
+    if contact[col.PAIR_POWER_LAW] > 0.0:
         load, stiffness, energy, by_level, by_exponent = power_law(
-            depth, values[j, LAW_LEVEL], values[j, LAW_EXPONENT]
+            depth, values[j, col.LAW_LEVEL], values[j, col.LAW_EXPONENT]
         )
     else:
         load, stiffness, energy, by_level = logarithmic_law(
-            depth, values[j, LAW_LEVEL], 0.5 * contact[PAIR_MODULUS]
+            depth, values[j, col.LAW_LEVEL], 0.5 * contact[col.PAIR_MODULUS]
         )
         by_exponent = 0.0
-    width = contact[PAIR_WIDTH]
+    width = contact[col.PAIR_WIDTH]
     elastic = width * load * slope
-    factor = impact_factor(rate, contact[PAIR_DAMPING])
-    contact[CONTACT_FORCE] = elastic * factor
-    contact[CONTACT_ENERGY] = width * energy
-    contact[CONTACT_DAMPING] = elastic * (factor - 1.0) * rate
-    by_angle = by_level * slopes[j, LAW_LEVEL] + by_exponent * slopes[j, LAW_EXPONENT]
-    contact[CONTACT_TORQUE] = width * by_angle
-    contact[FORCE_BY_OVERLAP] = width * (stiffness * slope * slope + load * bend) * factor
-    contact[FORCE_BY_RATE] = elastic * contact[PAIR_DAMPING] if factor > 0.0 else 0.0
+    factor = impact_factor(rate, contact[col.PAIR_DAMPING])
+    contact[col.CONTACT_FORCE] = elastic * factor
+    contact[col.CONTACT_ENERGY] = width * energy
+    contact[col.CONTACT_DAMPING] = elastic * (factor - 1.0) * rate
+    by_angle = by_level * slopes[j, col.LAW_LEVEL] + by_exponent * slopes[j, col.LAW_EXPONENT]
+    contact[col.CONTACT_TORQUE] = width * by_angle
+    contact[col.FORCE_BY_OVERLAP] = width * (stiffness * slope * slope + load * bend) * factor
+    contact[col.FORCE_BY_RATE] = elastic * contact[col.PAIR_DAMPING] if factor > 0.0 else 0.0
 
 
 @kernel
 def rub(s: SystemArrays, j: int, slip: float, rolling: float) -> None:
     """Friction force of one contact on body b along the tangent, and its derivatives."""
-    contact, values = s.contact[j], s.contact_values[VALUE]
-    surface = FlankSurface(
-        contact[PAIR_MODULUS], contact[PAIR_ROUGHNESS], contact[PAIR_BOUNDARY], contact[PAIR_LIMIT]
-    )
-    force, width = contact[CONTACT_FORCE], contact[PAIR_WIDTH]
+    contact, values = s.contact[j], s.contact_values[col.VALUE]
+    modulus, roughness = contact[col.PAIR_MODULUS], contact[col.PAIR_ROUGHNESS]
+    boundary, limit = contact[col.PAIR_BOUNDARY], contact[col.PAIR_LIMIT]
+    surface = FlankSurface(modulus, roughness, boundary, limit)
+    force, width = contact[col.CONTACT_FORCE], contact[col.PAIR_WIDTH]
     friction, by_load, by_slip = mesh_friction(
-        force / width, 1.0 / values[j, CURVATURE], slip, rolling, s.fluid, surface
+        force / width, 1.0 / values[j, col.CURVATURE], slip, rolling, s.fluid, surface
     )
-    contact[CONTACT_SLIP] = slip
-    contact[CONTACT_FRICTION] = -friction * force
-    contact[FRICTION_BY_FORCE] = -friction - force * by_load / width
-    contact[FRICTION_BY_SLIP] = -by_slip * force
+    contact[col.CONTACT_SLIP] = slip
+    contact[col.CONTACT_FRICTION] = -friction * force
+    contact[col.FRICTION_BY_FORCE] = -friction - force * by_load / width
+    contact[col.FRICTION_BY_SLIP] = -by_slip * force
 
 
 @kernel
@@ -228,10 +189,10 @@ def book_contacts(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add losses of the compliant contacts to the ledger; return their shaft torque. [N m]."""
     contact, torque = s.contact, 0.0
     for j in range(s.size.compliant):
-        account = int(contact[j, PAIR_ACCOUNT])
-        drag = contact[j, CONTACT_FRICTION]
-        ledger[FRICTION + account] -= drag * contact[j, CONTACT_SLIP]
-        ledger[CONTACT_LOSS] += contact[j, CONTACT_DAMPING]
-        s.torque[account] -= drag * s.contact_values[VALUE, j, SLIDING]
-        torque += contact[j, CONTACT_TORQUE]
+        account = int(contact[j, col.PAIR_ACCOUNT])
+        drag = contact[j, col.CONTACT_FRICTION]
+        ledger[FRICTION + account] -= drag * contact[j, col.CONTACT_SLIP]
+        ledger[CONTACT_LOSS] += contact[j, col.CONTACT_DAMPING]
+        s.torque[account] -= drag * s.contact_values[col.VALUE, j, col.SLIDING]
+        torque += contact[j, col.CONTACT_TORQUE]
     return torque

@@ -12,10 +12,10 @@ import numpy as np
 
 from toothspace.closures.bearing_map import JournalMap, build_journal_map
 from toothspace.closures.contact_rough import asperity_pressure
-from toothspace.closures.friction import lateral_film_torque
+from toothspace.closures.gap_flow import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import CURVE_COLUMNS, JOURNAL_COLUMNS
+from toothspace.model import arrays as col
 from toothspace.model.description import (
     FreeBlocks,
     LumpedJournalBearing,
@@ -81,7 +81,7 @@ def journal_data(
     if blocks:
         rows.append(_block_row(blocks.film, len(free), places[-1]))
     return JournalData(
-        rows=np.array(rows, dtype=float).reshape(len(journals), JOURNAL_COLUMNS),
+        rows=np.array(rows, dtype=float).reshape(len(journals), col.JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
             len(journals), 3, _INTERVALS, 4
         ),
@@ -101,10 +101,11 @@ def _block_row(film: LumpedJournalBearing, motion: int, place: int) -> tuple[flo
 def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:
     """Friction curves over the load, one block per bearing, unused rows empty."""
     rows = [
-        np.empty((0, CURVE_COLUMNS)) if j.friction is None else j.friction.rows for j in journals
+        np.empty((0, col.CURVE_COLUMNS)) if j.friction is None else j.friction.rows
+        for j in journals
     ]
     longest = max((len(one) for one in rows), default=0)
-    curves = np.zeros((len(journals), max(longest, 1), CURVE_COLUMNS))
+    curves = np.zeros((len(journals), max(longest, 1), col.CURVE_COLUMNS))
     for block, one in zip(curves, rows, strict=True):
         block[: len(one)] = one
     return curves

@@ -17,28 +17,14 @@ from __future__ import annotations
 from toothspace.closures.line_friction import turbulent_growth
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    DENSITY,
-    ELEMENT_A,
-    ELEMENT_B,
-    ELEMENT_FLOW,
-    ELEMENT_KIND,
-    FIRST_KNOT,
-    GAS,
-    KNOTS,
-    PARAMETER_1,
-    PARAMETER_2,
-    PARAMETER_3,
-    PARAMETER_4,
-    PRESSURE,
-    PRESSURE_BY_MASS,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.ledger import GAS_MASS, MASS
 
 FLUID_COLUMN = 4
 SMALL_SHARE = 0.03
-INERTANCE, RESISTANCE, CRITICAL_FLOW, STATE = PARAMETER_1, PARAMETER_2, PARAMETER_3, PARAMETER_4
+INERTANCE, RESISTANCE = col.PARAMETER_1, col.PARAMETER_2
+CRITICAL_FLOW, STATE = col.PARAMETER_3, col.PARAMETER_4
 
 
 @kernel
@@ -48,16 +34,22 @@ def column_flow(s: SystemArrays, element: Array, state: Array) -> float:
 
 
 @kernel
+def _drop_along(s: SystemArrays, element: Array) -> float:
+    a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+    return s.node[a, col.PRESSURE] - s.node[b, col.PRESSURE]
+
+
+@kernel
 def fill_column_rates(s: SystemArrays, state: Array, rate: Array) -> None:
     """Rates of the flows and of the memory of all columns."""
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
-        if element[ELEMENT_KIND] != FLUID_COLUMN:
+        if element[col.ELEMENT_KIND] != FLUID_COLUMN:
             continue
         place = s.size.column + int(element[STATE])
-        first, count = int(element[FIRST_KNOT]), int(element[KNOTS])
+        first, count = int(element[col.FIRST_KNOT]), int(element[col.KNOTS])
         flow = state[place]
-        drop = s.node[int(element[ELEMENT_A]), PRESSURE] - s.node[int(element[ELEMENT_B]), PRESSURE]
+        drop = _drop_along(s, element)
         growth, _ = turbulent_growth(abs(flow) / element[CRITICAL_FLOW])
         drop -= element[RESISTANCE] * growth * flow
         for i in range(count):
@@ -73,11 +65,11 @@ def fill_column_weights(s: SystemArrays, state: Array, weight: Array) -> None:
     tolerance = s.constant.relative_tolerance
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
-        if element[ELEMENT_KIND] != FLUID_COLUMN:
+        if element[col.ELEMENT_KIND] != FLUID_COLUMN:
             continue
         place = s.size.column + int(element[STATE])
         allowed = tolerance * (abs(state[place]) + SMALL_SHARE * element[CRITICAL_FLOW])
-        for i in range(int(element[KNOTS]) + 1):
+        for i in range(int(element[col.KNOTS]) + 1):
             weight[place + i] = allowed
 
 
@@ -86,11 +78,11 @@ def column_power(s: SystemArrays, element: Array, state: Array) -> float:
     """Rate at which the kinetic energy of a column grows: work less dissipation. [W]."""
     place = s.size.column + int(element[STATE])
     flow = state[place]
-    drop = s.node[int(element[ELEMENT_A]), PRESSURE] - s.node[int(element[ELEMENT_B]), PRESSURE]
+    drop = _drop_along(s, element)
     growth, _ = turbulent_growth(abs(flow) / element[CRITICAL_FLOW])
     power = flow * (drop - element[RESISTANCE] * growth * flow)
-    first = int(element[FIRST_KNOT])
-    for i in range(int(element[KNOTS])):
+    first = int(element[col.FIRST_KNOT])
+    for i in range(int(element[col.KNOTS])):
         lag = flow - state[place + 1 + i]
         power -= s.schedule[first + i, 1] * lag * lag
     return power
@@ -102,11 +94,12 @@ def column_energy(s: SystemArrays, state: Array) -> float:
     energy = 0.0
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
-        if element[ELEMENT_KIND] != FLUID_COLUMN:
+        if element[col.ELEMENT_KIND] != FLUID_COLUMN:
             continue
         place = s.size.column + int(element[STATE])
         energy += 0.5 * element[INERTANCE] * state[place] ** 2
-        for i in range(int(element[FIRST_KNOT]), int(element[FIRST_KNOT] + element[KNOTS])):
+        first = int(element[col.FIRST_KNOT])
+        for i in range(first, first + int(element[col.KNOTS])):
             place += 1
             energy += 0.5 * s.schedule[i, 1] / s.schedule[i, 0] * state[place] ** 2
     return energy
@@ -121,18 +114,18 @@ def add_column(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
     slope *= abs(state[place]) / element[CRITICAL_FLOW]
     inertance = element[INERTANCE]
     matrix[place, place] -= element[RESISTANCE] * (growth + slope) / inertance
-    first = int(element[FIRST_KNOT])
-    for i in range(int(element[KNOTS])):
+    first = int(element[col.FIRST_KNOT])
+    for i in range(int(element[col.KNOTS])):
         decay, resistance = s.schedule[first + i, 0], s.schedule[first + i, 1]
         memory = place + 1 + i
         matrix[place, place] -= resistance / inertance
         matrix[place, memory] += resistance / inertance
         matrix[memory, place] += decay
         matrix[memory, memory] -= decay
-    for i, sign in ((int(element[ELEMENT_A]), 1.0), (int(element[ELEMENT_B]), -1.0)):
+    for i, sign in ((int(element[col.ELEMENT_A]), 1.0), (int(element[col.ELEMENT_B]), -1.0)):
         d = s.dynamic_index[i]
         if d >= 0:
-            matrix[place, size.mass + d] += sign * s.node[i, PRESSURE_BY_MASS] / inertance
+            matrix[place, size.mass + d] += sign * s.node[i, col.PRESSURE_BY_MASS] / inertance
     add_carried(s, j, place, matrix)
 
 
@@ -140,9 +133,9 @@ def add_column(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
 def add_carried(s: SystemArrays, j: int, column: int, matrix: Array) -> None:
     """Derivatives of the mass and gas that a column carries with respect to its flow."""
     element = s.elements[j]
-    a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
-    source = a if element[ELEMENT_FLOW] >= 0.0 else b
-    density, gas = s.node[source, DENSITY], s.node[source, GAS]
+    a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+    source = a if element[col.ELEMENT_FLOW] >= 0.0 else b
+    density, gas = s.node[source, col.DENSITY], s.node[source, col.GAS]
     for i, sign in ((a, -1.0), (b, 1.0)):
         d = s.dynamic_index[i]
         port = s.size.core + i - s.size.chambers

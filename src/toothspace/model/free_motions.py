@@ -5,15 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    CLEARANCE,
-    EXTERNAL_FORCE,
-    LATERAL_DRAG,
-    MOTION_COLUMNS,
-    MOTION_MASS,
-    MOTION_RATIO,
-    PORT_AREA,
-)
+from toothspace.model import arrays as col
 from toothspace.model.contact_data import held_by_contacts, rigid_mesh
 from toothspace.model.description import FreeBlocks, MachineDescription
 from toothspace.model.films import lateral_drag
@@ -66,22 +58,22 @@ def motion_rows(
     clearance = {journal.body: journal.radial_clearance for journal in description.journals}
     drag = lateral_drag(description)
     blocks = free_blocks(description, condition)
-    rows = np.zeros((len(free) + (2 if blocks else 0), MOTION_COLUMNS))
+    rows = np.zeros((len(free) + (2 if blocks else 0), col.MOTION_COLUMNS))
     without_bearing = _CLEARANCE * float(np.cbrt(description.displacement))
     for row, k in zip(rows, free, strict=False):
         motion = description.motions[k]
         body = bodies[motion.body]
-        row[CLEARANCE] = clearance.get(motion.body, without_bearing)
-        row[MOTION_MASS] = body.mass
+        row[col.CLEARANCE] = clearance.get(motion.body, without_bearing)
+        row[col.MOTION_MASS] = body.mass
         if motion.axis == "rotation":
-            row[MOTION_MASS], row[MOTION_RATIO] = body.inertia, body.speed_ratio
-            row[LATERAL_DRAG] = drag[motion.body]
+            row[col.MOTION_MASS], row[col.MOTION_RATIO] = body.inertia, body.speed_ratio
+            row[col.LATERAL_DRAG] = drag[motion.body]
             levers = [np.abs(c.gap_by_motion.values[:, k]).max() for c in description.contacts]
-            row[CLEARANCE] /= float(max(levers))
+            row[col.CLEARANCE] /= float(max(levers))
         elif body.role == "shaft" and motion.axis in ("x", "y"):
-            row[EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
+            row[col.EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
     if blocks:
-        rows[-2:, MOTION_MASS] = blocks.mass
-        rows[-2:, CLEARANCE] = blocks.film.radial_clearance
-        rows[-2, PORT_AREA] = blocks.port_area
+        rows[-2:, col.MOTION_MASS] = blocks.mass
+        rows[-2:, col.CLEARANCE] = blocks.film.radial_clearance
+        rows[-2, col.PORT_AREA] = blocks.port_area
     return rows

@@ -5,28 +5,8 @@ from __future__ import annotations
 from toothspace.closures.traction import mesh_friction
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    CHANNEL_MESH,
-    CONTACT_FORCE,
-    DIRECTION,
-    DRIVEN_FRICTION,
-    DRIVEN_INERTIA,
-    DRIVEN_LATERAL,
-    FADE,
-    FREE,
-    INERTIA,
-    LATERAL_DRAG,
-    LOAD_SHARE,
-    MOTION_RATIO,
-    PRESSURE,
-    RADIUS_A,
-    RADIUS_B,
-    ROLLING,
-    SHEAR,
-    SLIDING,
-    VALUE,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.drive import running_torque, startup_torque, taken_torque
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import (
@@ -52,34 +32,34 @@ def mesh_force(s: SystemArrays) -> float:
     Besides the pressures these are inertia and the friction of its bearings and faces.
     """
     node, values = s.node, s.chamber_values
-    torque = s.drive[DRIVEN_FRICTION]
+    torque = s.drive[col.DRIVEN_FRICTION]
     for i in range(s.size.chambers):
-        torque += node[i, PRESSURE] * values[i, CHANNEL_MESH]
+        torque += node[i, col.PRESSURE] * values[i, col.CHANNEL_MESH]
     return -torque / s.surface.lever
 
 
 @kernel
 def mesh_torque(s: SystemArrays, speed: float) -> float:
     """Friction torque at the shaft of all contacts of a rigid mesh. [N m]."""
-    values, surface, fluid = s.contact_values[VALUE], s.surface, s.fluid
+    values, surface, fluid = s.contact_values[col.VALUE], s.surface, s.fluid
     if s.size.compliant > 0:
         return 0.0
     total = mesh_force(s)
     speed = max(speed, 0.0)
     torque = 0.0
     for j in range(s.size.contacts):
-        share = values[j, LOAD_SHARE]
-        s.contact[j, CONTACT_FORCE] = total * max(share, 0.0)
+        share = values[j, col.LOAD_SHARE]
+        s.contact[j, col.CONTACT_FORCE] = total * max(share, 0.0)
         if share <= NO_SHARE:
             continue
         force = abs(total) * share
-        sliding = abs(values[j, SLIDING])
-        radius_a, radius_b = values[j, RADIUS_A], values[j, RADIUS_B]
+        sliding = abs(values[j, col.SLIDING])
+        radius_a, radius_b = values[j, col.RADIUS_A], values[j, col.RADIUS_B]
         friction, _, _ = mesh_friction(
             force / surface.width,
             radius_a * radius_b / (radius_a + radius_b),
             sliding * speed,
-            values[j, ROLLING] * speed,
+            values[j, col.ROLLING] * speed,
             fluid,
             surface,
         )
@@ -92,7 +72,7 @@ def tip_torque(s: SystemArrays) -> float:
     """Torque of viscous shear in all gaps with sliding walls. [N m]."""
     total = 0.0
     for j in range(s.paths.open[-1]):
-        total += s.path[j, SHEAR]
+        total += s.path[j, col.SHEAR]
     return total
 
 
@@ -103,13 +83,13 @@ def load_mesh(s: SystemArrays, state: Array, torque: float) -> None:
     ``torque`` is that at the shaft without mesh friction, too small to matter here. [N m]
     """
     drive, now = s.drive, s.lateral.now
-    lateral = drive[DRIVEN_LATERAL] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
-    drive[DRIVEN_FRICTION] += drive[FADE] * lateral * state[1]
-    held = drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
-    drive[DRIVEN_FRICTION] += drive[FADE] * drive[DRIVEN_LATERAL] * held
-    if drive[FREE] > 0.0 and drive[DIRECTION] != 0.0:
-        acceleration = -(torque + taken_torque(s, state)) / drive[INERTIA]
-        drive[DRIVEN_FRICTION] += drive[DRIVEN_INERTIA] * acceleration
+    lateral = drive[col.DRIVEN_LATERAL] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+    drive[col.DRIVEN_FRICTION] += drive[col.FADE] * lateral * state[1]
+    held = drive[col.DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
+    drive[col.DRIVEN_FRICTION] += drive[col.FADE] * drive[col.DRIVEN_LATERAL] * held
+    if drive[col.FREE] > 0.0 and drive[col.DIRECTION] != 0.0:
+        acceleration = -(torque + taken_torque(s, state)) / drive[col.INERTIA]
+        drive[col.DRIVEN_FRICTION] += drive[col.DRIVEN_INERTIA] * acceleration
 
 
 @kernel
@@ -119,7 +99,7 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
     ``driving`` is the torque at the shaft of all that acts on it besides. [N m]
     """
     torque, motion, speed, now = s.torque, s.motion, state[1], s.lateral.now
-    way, fade = s.drive[DIRECTION], s.drive[FADE]
+    way, fade = s.drive[col.DIRECTION], s.drive[col.FADE]
     viscosity = s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
     lateral = s.constant.lateral_torque * viscosity
     torque[LATERAL_ASPERITY] = fade * lateral * s.constant.asperity_share * speed
@@ -134,13 +114,13 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
     for mechanism in _RESISTING:
         total += torque[mechanism]
     for k in range(s.size.motions):
-        drag = motion[k, LATERAL_DRAG] * viscosity
-        turning, ahead = motion[k, MOTION_RATIO] * speed, state[s.size.velocity + k]
+        drag = motion[k, col.LATERAL_DRAG] * viscosity
+        turning, ahead = motion[k, col.MOTION_RATIO] * speed, state[s.size.velocity + k]
         ledger[FRICTION + LATERAL_VISCOUS] += drag * (2.0 * turning + ahead) * ahead
-        held = way * motion[k, LATERAL_DRAG] * motion[k, MOTION_RATIO] * ahead
+        held = way * motion[k, col.LATERAL_DRAG] * motion[k, col.MOTION_RATIO] * ahead
         ledger[FRICTION + LATERAL_VISCOUS] += held * now[DRAG_STRESS]
         ledger[FRICTION + LATERAL_ASPERITY] += held * now[ASPERITY_STRESS]
-        total += motion[k, MOTION_RATIO] * drag * ahead
+        total += motion[k, col.MOTION_RATIO] * drag * ahead
     load_mesh(s, state, driving + total)
     torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)
     for mechanism in _BOOKED:

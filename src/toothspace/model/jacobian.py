@@ -17,41 +17,8 @@ from __future__ import annotations
 
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    CHANNEL_MOTION,
-    CONTACT_FORCE,
-    DENSITY,
-    ELEMENT_A,
-    ELEMENT_B,
-    ELEMENT_BY_A,
-    ELEMENT_BY_B,
-    ELEMENT_FLOW,
-    ELEMENT_KIND,
-    EXCHANGE_BY_GAS,
-    EXCHANGE_BY_PRESSURE,
-    FLOW,
-    FLOW_BY_HEIGHT,
-    FLOW_BY_PRESSURE,
-    FORCE_BY_OVERLAP,
-    FORCE_BY_RATE,
-    FRICTION_BY_FORCE,
-    FRICTION_BY_SLIP,
-    GAP_BY_MOTION,
-    GAS,
-    HEIGHT_BY_MOTION,
-    MOTION_MASS,
-    NODE_A,
-    PORT_AREA,
-    PRESENT_B,
-    PRESSURE_BY_GAS,
-    PRESSURE_BY_MASS,
-    PRESSURE_BY_VOLUME,
-    SENSE,
-    SLOPE,
-    VALUE,
-    VOLUME,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.circuit import update_elements
 from toothspace.model.drive import add_coupling
 from toothspace.model.fluid_column import FLUID_COLUMN, add_column
@@ -78,7 +45,7 @@ def fill_rates(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     matrix[:, :] = 0.0
     matrix[0, 1] = 1.0
     for j in range(s.paths.open[-1]):
-        if s.path[j, FLOW] != 0.0:
+        if s.path[j, col.FLOW] != 0.0:
             add_path(s, j, matrix)
     add_gas_exchange(s, state, matrix)
     add_pressure_forces(s, matrix)
@@ -97,12 +64,13 @@ def fill_basis(s: SystemArrays, basis: Array) -> None:
         d = s.dynamic_index[i]
         if d < 0:
             continue
-        stiffness = -1.0 / node[i, PRESSURE_BY_MASS]
-        basis[size.mass + d, size.gas + d] = node[i, PRESSURE_BY_GAS] * stiffness
+        stiffness = -1.0 / node[i, col.PRESSURE_BY_MASS]
+        basis[size.mass + d, size.gas + d] = node[i, col.PRESSURE_BY_GAS] * stiffness
         if i < size.chambers:
-            by_volume = node[i, PRESSURE_BY_VOLUME] * stiffness
+            by_volume = node[i, col.PRESSURE_BY_VOLUME] * stiffness
             for k in range(size.motions):
-                basis[size.mass + d, size.position + k] = by_volume * values[i, CHANNEL_MOTION + k]
+                growth = values[i, col.CHANNEL_MOTION + k]
+                basis[size.mass + d, size.position + k] = by_volume * growth
 
 
 @kernel
@@ -124,7 +92,7 @@ def add_flow_change(
     s: SystemArrays, j: int, column: int, mass_change: float, gas_change: float, matrix: Array
 ) -> None:
     """Add the change of one path's flows with one state to the balances of both its nodes."""
-    a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
+    a, b = s.open_index[j, col.NODE_A], s.open_index[j, col.PRESENT_B]
     matrix[mass_row(s, a), column] -= mass_change
     matrix[mass_row(s, b), column] += mass_change
     matrix[gas_row(s, a), column] -= gas_change
@@ -135,33 +103,33 @@ def add_flow_change(
 def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
     """Derivatives of one path's flow through pressures and gap height."""
     node, size = s.node, s.size
-    a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-    source = a if s.path[j, SENSE] > 0.0 else b
-    gas = node[source, GAS]
-    slope = node[source, DENSITY] * s.path[j, FLOW_BY_PRESSURE]
+    a, b = s.open_index[j, col.NODE_A], s.open_index[j, col.PRESENT_B]
+    source = a if s.path[j, col.SENSE] > 0.0 else b
+    gas = node[source, col.GAS]
+    slope = node[source, col.DENSITY] * s.path[j, col.FLOW_BY_PRESSURE]
     for i, sign in ((a, 1.0), (b, -1.0)):
         d = s.dynamic_index[i]
         if d < 0:
             continue
-        change = sign * slope * node[i, PRESSURE_BY_MASS]
+        change = sign * slope * node[i, col.PRESSURE_BY_MASS]
         add_flow_change(s, j, size.mass + d, change, gas * change, matrix)
     d = s.dynamic_index[source]
     if d >= 0:
-        mass = node[source, DENSITY] * node[source, VOLUME]
-        matrix[size.gas + d, size.gas + d] -= abs(s.path[j, FLOW]) / mass
+        mass = node[source, col.DENSITY] * node[source, col.VOLUME]
+        matrix[size.gas + d, size.gas + d] -= abs(s.path[j, col.FLOW]) / mass
     add_path_motions(s, j, gas, matrix)
 
 
 @kernel
 def add_path_motions(s: SystemArrays, j: int, gas: float, matrix: Array) -> None:
     """Derivatives of one path's flow with respect to the micro-motions at constant pressures."""
-    by_height = s.path[j, FLOW_BY_HEIGHT]
+    by_height = s.path[j, col.FLOW_BY_HEIGHT]
     if by_height == 0.0:
         return
-    a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-    by_height *= s.node[a if s.path[j, SENSE] > 0.0 else b, DENSITY]
+    a, b = s.open_index[j, col.NODE_A], s.open_index[j, col.PRESENT_B]
+    by_height *= s.node[a if s.path[j, col.SENSE] > 0.0 else b, col.DENSITY]
     for k in range(s.size.motions):
-        change = by_height * s.path_values[j, HEIGHT_BY_MOTION + k]
+        change = by_height * s.path_values[j, col.HEIGHT_BY_MOTION + k]
         if change != 0.0:
             add_flow_change(s, j, s.size.position + k, change, gas * change, matrix)
 
@@ -175,9 +143,9 @@ def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
         if d < 0:
             continue
         row = size.gas + d
-        by_pressure = state[size.mass + d] * node[i, EXCHANGE_BY_PRESSURE]
-        matrix[row, size.mass + d] += by_pressure * node[i, PRESSURE_BY_MASS]
-        matrix[row, size.gas + d] += node[i, EXCHANGE_BY_GAS]
+        by_pressure = state[size.mass + d] * node[i, col.EXCHANGE_BY_PRESSURE]
+        matrix[row, size.mass + d] += by_pressure * node[i, col.PRESSURE_BY_MASS]
+        matrix[row, size.gas + d] += node[i, col.EXCHANGE_BY_GAS]
 
 
 @kernel
@@ -187,15 +155,15 @@ def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
     for i in range(size.chambers):
         d = s.dynamic_index[i]
         for k in range(size.motions):
-            area = values[i, CHANNEL_MOTION + k] / s.motion[k, MOTION_MASS]
-            matrix[size.velocity + k, size.mass + d] += area * node[i, PRESSURE_BY_MASS]
+            area = values[i, col.CHANNEL_MOTION + k] / s.motion[k, col.MOTION_MASS]
+            matrix[size.velocity + k, size.mass + d] += area * node[i, col.PRESSURE_BY_MASS]
     for k in range(size.motions):
-        area = s.motion[k, PORT_AREA] / s.motion[k, MOTION_MASS]
+        area = s.motion[k, col.PORT_AREA] / s.motion[k, col.MOTION_MASS]
         for port in range(2):
             i = size.chambers + port
             d = s.dynamic_index[i]
             if area != 0.0 and d >= 0:
-                by_mass = (1.0 - 2.0 * port) * area * node[i, PRESSURE_BY_MASS]
+                by_mass = (1.0 - 2.0 * port) * area * node[i, col.PRESSURE_BY_MASS]
                 matrix[size.velocity + k, size.mass + d] += by_mass
 
 
@@ -205,7 +173,7 @@ def add_films(s: SystemArrays, matrix: Array) -> None:
     size, slopes = s.size, s.film_slopes
     for k in range(size.motions):
         matrix[size.position + k, size.velocity + k] = 1.0
-        mass = s.motion[k, MOTION_MASS]
+        mass = s.motion[k, col.MOTION_MASS]
         for m in range(size.motions):
             matrix[size.velocity + k, size.position + m] += slopes[0, k, m] / mass
             matrix[size.velocity + k, size.velocity + m] += slopes[1, k, m] / mass
@@ -214,21 +182,23 @@ def add_films(s: SystemArrays, matrix: Array) -> None:
 @kernel
 def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives of normal and friction forces of the compliant contacts on the motions."""
-    size, values, slopes = s.size, s.contact_values[VALUE], s.contact_values[SLOPE]
+    size, values, slopes = s.size, s.contact_values[col.VALUE], s.contact_values[col.SLOPE]
     for j in range(size.compliant):
         contact = s.contact[j]
-        if contact[CONTACT_FORCE] == 0.0:
+        if contact[col.CONTACT_FORCE] == 0.0:
             continue
-        friction_slope = contact[FRICTION_BY_FORCE]
+        friction_slope = contact[col.FRICTION_BY_FORCE]
         for m in range(size.motions):
-            gap, slip = values[j, GAP_BY_MOTION + m], values[j, GAP_BY_MOTION + size.motions + m]
-            turned = slopes[j, GAP_BY_MOTION + m] * state[1]
-            by_place = -contact[FORCE_BY_OVERLAP] * gap - contact[FORCE_BY_RATE] * turned
-            by_speed = -contact[FORCE_BY_RATE] * gap
-            dragged = friction_slope * by_speed + contact[FRICTION_BY_SLIP] * slip
+            gap = values[j, col.GAP_BY_MOTION + m]
+            slip = values[j, col.GAP_BY_MOTION + size.motions + m]
+            turned = slopes[j, col.GAP_BY_MOTION + m] * state[1]
+            by_place = -contact[col.FORCE_BY_OVERLAP] * gap - contact[col.FORCE_BY_RATE] * turned
+            by_speed = -contact[col.FORCE_BY_RATE] * gap
+            dragged = friction_slope * by_speed + contact[col.FRICTION_BY_SLIP] * slip
             for k in range(size.motions):
-                normal = values[j, GAP_BY_MOTION + k] / s.motion[k, MOTION_MASS]
-                along = values[j, GAP_BY_MOTION + size.motions + k] / s.motion[k, MOTION_MASS]
+                mass = s.motion[k, col.MOTION_MASS]
+                normal = values[j, col.GAP_BY_MOTION + k] / mass
+                along = values[j, col.GAP_BY_MOTION + size.motions + k] / mass
                 row = size.velocity + k
                 place, speed = size.position + m, size.velocity + m
                 matrix[row, place] += (normal + along * friction_slope) * by_place
@@ -242,16 +212,16 @@ def add_elements(s: SystemArrays, state: Array, t: float, matrix: Array) -> None
     update_elements(s, state, t)
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
-        if element[ELEMENT_KIND] == FLUID_COLUMN:
+        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
             add_column(s, state, j, matrix)
             continue
-        a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
-        gas = node[a, GAS] if element[ELEMENT_FLOW] >= 0.0 else node[b, GAS]
-        for i, slope in ((a, element[ELEMENT_BY_A]), (b, element[ELEMENT_BY_B])):
+        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+        gas = node[a, col.GAS] if element[col.ELEMENT_FLOW] >= 0.0 else node[b, col.GAS]
+        for i, slope in ((a, element[col.ELEMENT_BY_A]), (b, element[col.ELEMENT_BY_B])):
             d = s.dynamic_index[i]
             if d < 0:
                 continue
-            change = slope * node[i, PRESSURE_BY_MASS]
+            change = slope * node[i, col.PRESSURE_BY_MASS]
             matrix[mass_row(s, a), size.mass + d] -= change
             matrix[mass_row(s, b), size.mass + d] += change
             matrix[gas_row(s, a), size.mass + d] -= gas * change

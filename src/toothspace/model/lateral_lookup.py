@@ -15,7 +15,8 @@ import math
 
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import CHANNEL_MOTION, PRESSURE, SystemArrays
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.lateral_table import (
     ASPERITY,
     ASPERITY_STRESS,
@@ -45,15 +46,15 @@ def update_lateral_films(s: SystemArrays, state: Array) -> None:
     if table.counts.size == 0:
         return
     now, scales = table.now, table.scales
-    high, low = s.node[int(scales[HIGH]), PRESSURE], s.node[int(scales[LOW]), PRESSURE]
+    high, low = s.node[int(scales[HIGH]), col.PRESSURE], s.node[int(scales[LOW]), col.PRESSURE]
     difference = max(high - low, LEAST_PRESSURE)
     force, moment = -scales[PRELOAD], -scales[PRELOAD_MOMENT]
     for i in range(s.size.nodes):
-        above = s.node[i, PRESSURE] - low
+        above = s.node[i, col.PRESSURE] - low
         by_force, by_moment = table.weights[i, 0], table.weights[i, 1]
         if i < s.size.chambers:
-            by_force += s.chamber_values[i, CHANNEL_MOTION + s.size.motions]
-            by_moment += s.chamber_values[i, CHANNEL_MOTION + s.size.motions + 1]
+            by_force += s.chamber_values[i, col.CHANNEL_MOTION + s.size.motions]
+            by_moment += s.chamber_values[i, col.CHANNEL_MOTION + s.size.motions + 1]
         force += by_force * above
         moment += by_moment * above
     unit = scales[AREA] * difference

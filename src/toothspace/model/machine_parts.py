@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, final
 
+import numpy as np
+
 from toothspace.core.types import Array, IntArray
 from toothspace.model.path_category import PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable
@@ -150,3 +152,11 @@ class FlowPath:
     def count(self) -> int:
         """Number of paths."""
         return int(self.phases.size)
+
+    def partners(self, shaft_angle: Array) -> IntArray:
+        """Node b of each path at shaft angles [rad], shape (angles, paths)."""
+        places = self.phases + self.angle_ratio * shaft_angle[:, None]
+        turns = np.floor(places / self.geometry.period).astype(int)
+        first, last = int(self.nodes_b.min()), int(self.nodes_b.max())
+        shifted = self.nodes_b - first + turns * self.partner_shift
+        return np.asarray(first + shifted % (last - first + 1))

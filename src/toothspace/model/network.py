@@ -41,60 +41,8 @@ from toothspace.closures.orifice import (
 from toothspace.closures.viscosity import dynamic_viscosity, throttling_viscosity
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    BY_HEIGHT,
-    CARRIED_SHARE,
-    CATEGORY,
-    CONDUCTANCE,
-    DENSITY,
-    DRAG,
-    DRAG_BY_HEIGHT,
-    DRAG_SPEED,
-    DROP,
-    FAMILY_COUNT,
-    FAMILY_FIRST,
-    FITTED_GAP,
-    FLOW,
-    FLOW_BY_HEIGHT,
-    FLOW_BY_PRESSURE,
-    GAP_VISCOSITY,
-    GAS,
-    GAS_ENTHALPY,
-    GAS_RATE,
-    GEOMETRY,
-    HEIGHT,
-    HEIGHT_BY_MOTION,
-    HEIGHT_FACTOR,
-    INFLOW_DENSITY,
-    LAST_FLOW,
-    LATERAL_SHARE,
-    LINE_DROP,
-    LINE_FLOW,
-    LINE_SLOPE,
-    LIQUID_ENTHALPY,
-    LOSS,
-    MASS_RATE,
-    MEAN_VISCOSITY,
-    MINIMUM_HEIGHT,
-    MULTIPLICITY,
-    NODE_A,
-    NODE_B,
-    NOMINAL_HEIGHT,
-    OPENING,
-    ORIFICE,
-    PARALLEL_GAP,
-    PARTNER_SHIFT,
-    PRESENT_B,
-    PRESSURE,
-    ROOT_VISCOSITY,
-    RUNNING_HEIGHT,
-    SENSE,
-    SHEAR,
-    SHEAR_SPEED,
-    THROAT_SPEED,
-    VOLUME_FLOW,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.carried_flows import carried_flow, carries, line_of_flow
 from toothspace.model.lateral_table import HEIGHT_RATIO
 from toothspace.model.ledger import THROTTLING
@@ -111,11 +59,11 @@ def update_partners(s: SystemArrays) -> None:
     """Set the present partner of every path: tooth pairing moves on with unequal counts."""
     index, turns = s.path_index, s.paths.turns
     for j in range(s.size.paths):
-        partner = index[j, NODE_B]
-        if index[j, PARTNER_SHIFT] != 0:
-            first, count = index[j, FAMILY_FIRST], index[j, FAMILY_COUNT]
-            partner = first + (partner - first + turns[j] * index[j, PARTNER_SHIFT]) % count
-        index[j, PRESENT_B] = partner
+        partner = index[j, col.NODE_B]
+        if index[j, col.PARTNER_SHIFT] != 0:
+            first, count = index[j, col.FAMILY_FIRST], index[j, col.FAMILY_COUNT]
+            partner = first + (partner - first + turns[j] * index[j, col.PARTNER_SHIFT]) % count
+        index[j, col.PRESENT_B] = partner
 
 
 @kernel
@@ -128,7 +76,7 @@ def gather_open(s: SystemArrays) -> None:
     for column in range(s.path_values.shape[1]):
         for j in range(free[-1]):
             s.path_values[j, column] = 0.0
-    for column in (CATEGORY, NODE_A, PRESENT_B):
+    for column in (col.CATEGORY, col.NODE_A, col.PRESENT_B):
         for j in range(free[-1]):
             s.open_index[j, column] = s.path_index[free[j], column]
     for column in range(s.path_data.shape[1]):
@@ -152,7 +100,7 @@ def update_viscosities(s: SystemArrays) -> None:
     """Square root of the viscosity at every node: a path sees the geometric mean of its ends."""
     node, fluid = s.node, s.fluid
     for i in range(s.size.nodes):
-        node[i, ROOT_VISCOSITY] = math.sqrt(dynamic_viscosity(node[i, PRESSURE], fluid))
+        node[i, col.ROOT_VISCOSITY] = math.sqrt(dynamic_viscosity(node[i, col.PRESSURE], fluid))
 
 
 @kernel
@@ -160,95 +108,98 @@ def update_ends(s: SystemArrays) -> None:
     """Pressure drop along every open path, and density and viscosity of what flows in it."""
     node, path, index = s.node, s.path, s.open_index
     for j in range(s.paths.open[-1]):
-        a, b = index[j, NODE_A], index[j, PRESENT_B]
-        drop = node[a, PRESSURE] - node[b, PRESSURE]
-        path[j, DROP] = drop
-        path[j, INFLOW_DENSITY] = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
-        mean = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
-        path[j, MEAN_VISCOSITY] = s.open_data[j, GAP_VISCOSITY] * mean
+        a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
+        drop = node[a, col.PRESSURE] - node[b, col.PRESSURE]
+        path[j, col.DROP] = drop
+        path[j, col.INFLOW_DENSITY] = node[a, col.DENSITY] if drop >= 0.0 else node[b, col.DENSITY]
+        mean = node[a, col.ROOT_VISCOSITY] * node[b, col.ROOT_VISCOSITY]
+        path[j, col.MEAN_VISCOSITY] = s.open_data[j, col.GAP_VISCOSITY] * mean
 
 
 @kernel
 def heat_throats(s: SystemArrays) -> None:
     """Viscosity in the throats between flanks, which heat their own flow."""
     node, path, index, fluid = s.node, s.path, s.open_index, s.fluid
-    for j in range(s.open_kinds[PARALLEL_GAP]):
-        upstream = max(node[index[j, NODE_A], PRESSURE], node[index[j, PRESENT_B], PRESSURE])
-        path[j, MEAN_VISCOSITY] = throttling_viscosity(upstream, abs(path[j, DROP]), fluid)
+    for j in range(s.open_kinds[col.PARALLEL_GAP]):
+        a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
+        upstream = max(node[a, col.PRESSURE], node[b, col.PRESSURE])
+        path[j, col.MEAN_VISCOSITY] = throttling_viscosity(upstream, abs(path[j, col.DROP]), fluid)
 
 
 @kernel
 def update_heights(s: SystemArrays, state: Array) -> None:
     """Heights of all gaps with the present positions of the bodies, nominal and running."""
-    values, path, residual = s.path_values, s.path, s.open_data[:, MINIMUM_HEIGHT]
-    gaps = s.open_kinds[ORIFICE]
+    values, path, residual = s.path_values, s.path, s.open_data[:, col.MINIMUM_HEIGHT]
+    gaps = s.open_kinds[col.ORIFICE]
     widened = s.lateral.now[HEIGHT_RATIO] - 1.0
     for j in range(gaps):
-        nominal = values[j, GEOMETRY] * (1.0 + s.open_data[j, LATERAL_SHARE] * widened)
-        path[j, HEIGHT] = path[j, NOMINAL_HEIGHT] = nominal
+        nominal = values[j, col.GEOMETRY] * (1.0 + s.open_data[j, col.LATERAL_SHARE] * widened)
+        path[j, col.HEIGHT] = path[j, col.NOMINAL_HEIGHT] = nominal
     for k in range(s.size.motions):
         q = state[s.size.position + k]
         for j in range(gaps):
-            path[j, HEIGHT] += values[j, HEIGHT_BY_MOTION + k] * q
+            path[j, col.HEIGHT] += values[j, col.HEIGHT_BY_MOTION + k] * q
     for j in range(gaps):
-        height, factor = running_height(path[j, HEIGHT], residual[j])
-        path[j, RUNNING_HEIGHT], path[j, HEIGHT_FACTOR] = height, factor
+        height, factor = running_height(path[j, col.HEIGHT], residual[j])
+        path[j, col.RUNNING_HEIGHT], path[j, col.HEIGHT_FACTOR] = height, factor
 
 
 @kernel
 def update_gap_conductances(s: SystemArrays) -> None:
     """Laminar conductance of all gaps and its derivative with respect to the height."""
     path, values, kinds = s.path, s.path_values, s.open_kinds
-    fitted, parallel, gaps = kinds[FITTED_GAP], kinds[PARALLEL_GAP], kinds[ORIFICE]
+    fitted, parallel, gaps = kinds[col.FITTED_GAP], kinds[col.PARALLEL_GAP], kinds[col.ORIFICE]
     for j in range(parallel):
-        width, height = values[j, 1], path[j, RUNNING_HEIGHT]
+        width, height = values[j, 1], path[j, col.RUNNING_HEIGHT]
         radius = values[j, 2] if width > CLOSED_GAP else 1.0
         if j < fitted:
             power = 2.5
-            found = curved_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
+            found = curved_gap_conductance(height, width, radius, path[j, col.MEAN_VISCOSITY])
         else:
             power = FITTED_POWER
-            found = fitted_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
+            found = fitted_gap_conductance(height, width, radius, path[j, col.MEAN_VISCOSITY])
         power = power if height < NARROW * radius else 2.0
-        path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
-        path[j, OPENING] = SMOOTH_THROAT * width * height
-        path[j, BY_HEIGHT] = power * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
+        conductance = found if width > CLOSED_GAP else 0.0
+        path[j, col.CONDUCTANCE] = conductance
+        path[j, col.OPENING] = SMOOTH_THROAT * width * height
+        path[j, col.BY_HEIGHT] = power * conductance / height * path[j, col.HEIGHT_FACTOR]
     for j in range(parallel, gaps):
-        width, height = values[j, 1], path[j, RUNNING_HEIGHT]
+        width, height = values[j, 1], path[j, col.RUNNING_HEIGHT]
         length = values[j, 2] if width > CLOSED_GAP else 1.0
-        found = parallel_gap_conductance(height, width, length, path[j, MEAN_VISCOSITY])
-        path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
-        path[j, OPENING] = DISCHARGE_COEFFICIENT * width * height
-        path[j, BY_HEIGHT] = 3.0 * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
+        found = parallel_gap_conductance(height, width, length, path[j, col.MEAN_VISCOSITY])
+        conductance = found if width > CLOSED_GAP else 0.0
+        path[j, col.CONDUCTANCE] = conductance
+        path[j, col.OPENING] = DISCHARGE_COEFFICIENT * width * height
+        path[j, col.BY_HEIGHT] = 3.0 * conductance / height * path[j, col.HEIGHT_FACTOR]
 
 
 @kernel
 def update_orifice_conductances(s: SystemArrays) -> None:
     """Laminar conductance of all orifices."""
     path, values = s.path, s.path_values
-    for j in range(s.open_kinds[ORIFICE], s.paths.open[-1]):
+    for j in range(s.open_kinds[col.ORIFICE], s.paths.open[-1]):
         area = values[j, 0]
-        found = orifice_conductance(area, values[j, 1], path[j, MEAN_VISCOSITY])
-        path[j, CONDUCTANCE] = found if area > CLOSED_ORIFICE else 0.0
-        path[j, OPENING] = DISCHARGE_COEFFICIENT * area
+        found = orifice_conductance(area, values[j, 1], path[j, col.MEAN_VISCOSITY])
+        path[j, col.CONDUCTANCE] = found if area > CLOSED_ORIFICE else 0.0
+        path[j, col.OPENING] = DISCHARGE_COEFFICIENT * area
 
 
 @kernel
 def drag_walls(s: SystemArrays, speed: float) -> None:
     """Flow dragged by the walls of all gaps, and the torque of their shear."""
     path, values, data = s.path, s.path_values, s.open_data
-    for j in range(s.open_kinds[ORIFICE]):
-        many, wall = data[j, MULTIPLICITY], values[j, DRAG_SPEED]
+    for j in range(s.open_kinds[col.ORIFICE]):
+        many, wall = data[j, col.MULTIPLICITY], values[j, col.DRAG_SPEED]
         width = values[j, 1] if values[j, 1] > CLOSED_GAP else 0.0
-        nominal, height = path[j, NOMINAL_HEIGHT], path[j, RUNNING_HEIGHT]
-        dragged, throat = height - data[j, CARRIED_SHARE] * nominal, data[j, THROAT_SPEED]
-        opened = path[j, HEIGHT] - nominal
-        path[j, DRAG] = many * wall_drag_flow_rate(dragged, width, wall, opened, throat)
-        by_height = width * wall * path[j, HEIGHT_FACTOR] - width * throat
-        path[j, DRAG_BY_HEIGHT] = by_height * speed
-        path[j, SHEAR] = many * land_shear_torque(
-            speed, values[j, SHEAR_SPEED], height, width, values[j, 2], path[j, MEAN_VISCOSITY]
-        )
+        nominal, height = path[j, col.NOMINAL_HEIGHT], path[j, col.RUNNING_HEIGHT]
+        dragged, throat = height - data[j, col.CARRIED_SHARE] * nominal, data[j, col.THROAT_SPEED]
+        opened = path[j, col.HEIGHT] - nominal
+        path[j, col.DRAG] = many * wall_drag_flow_rate(dragged, width, wall, opened, throat)
+        by_height = width * wall * path[j, col.HEIGHT_FACTOR] - width * throat
+        path[j, col.DRAG_BY_HEIGHT] = by_height * speed
+        wall, viscosity = values[j, col.SHEAR_SPEED], path[j, col.MEAN_VISCOSITY]
+        torque = land_shear_torque(speed, wall, height, width, values[j, 2], viscosity)
+        path[j, col.SHEAR] = many * torque
 
 
 @kernel
@@ -256,15 +207,18 @@ def update_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path from the pressures at its ends and its gap, with derivatives."""
     path, data = s.path, s.open_data
     for j in range(s.paths.open[-1]):
-        many = data[j, MULTIPLICITY]
+        many = data[j, col.MULTIPLICITY]
         flow, by_pressure, by_conductance = inertial_laminar_flow(
-            path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
+            path[j, col.DROP],
+            path[j, col.CONDUCTANCE],
+            path[j, col.OPENING],
+            path[j, col.INFLOW_DENSITY],
         )
-        path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
-        path[j, SENSE] = path[j, VOLUME_FLOW]
-        path[j, FLOW_BY_PRESSURE] = many * by_pressure
-        by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]
-        path[j, FLOW_BY_HEIGHT] = many * by_height
+        path[j, col.VOLUME_FLOW] = many * flow + path[j, col.DRAG] * speed
+        path[j, col.SENSE] = path[j, col.VOLUME_FLOW]
+        path[j, col.FLOW_BY_PRESSURE] = many * by_pressure
+        by_height = by_conductance * path[j, col.BY_HEIGHT] + path[j, col.DRAG_BY_HEIGHT]
+        path[j, col.FLOW_BY_HEIGHT] = many * by_height
     if carries(s):
         update_carried_flows(s, speed)
 
@@ -274,15 +228,15 @@ def update_carried_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path on the tangent at the flow of the linear equations."""
     path, data = s.path, s.open_data
     for j in range(s.paths.open[-1]):
-        if path[j, CONDUCTANCE] > 0.0:
-            many, drag = data[j, MULTIPLICITY], path[j, DRAG] * speed
+        if path[j, col.CONDUCTANCE] > 0.0:
+            many, drag = data[j, col.MULTIPLICITY], path[j, col.DRAG] * speed
             linear = carried_flow(s, j, many, drag)
             flow, by_pressure = line_of_flow(s, j, linear)
-            path[j, LINE_FLOW], path[j, LINE_SLOPE] = flow, by_pressure
-            path[j, LINE_DROP] = path[j, DROP]
-            path[j, SENSE] = many * linear + drag
-            path[j, VOLUME_FLOW] = many * flow + drag
-            path[j, FLOW_BY_PRESSURE] = many * by_pressure
+            path[j, col.LINE_FLOW], path[j, col.LINE_SLOPE] = flow, by_pressure
+            path[j, col.LINE_DROP] = path[j, col.DROP]
+            path[j, col.SENSE] = many * linear + drag
+            path[j, col.VOLUME_FLOW] = many * flow + drag
+            path[j, col.FLOW_BY_PRESSURE] = many * by_pressure
 
 
 @kernel
@@ -290,22 +244,22 @@ def sum_flows(s: SystemArrays) -> None:
     """Mass and gas flows of all paths, summed into the nodes."""
     node, path, index = s.node, s.path, s.open_index
     for i in range(s.size.nodes):
-        node[i, MASS_RATE] = 0.0
-        node[i, GAS_RATE] = 0.0
+        node[i, col.MASS_RATE] = 0.0
+        node[i, col.GAS_RATE] = 0.0
     for j in range(s.paths.open[-1]):
-        flow = path[j, VOLUME_FLOW]
+        flow = path[j, col.VOLUME_FLOW]
         if flow == 0.0:
-            path[j, FLOW] = 0.0
+            path[j, col.FLOW] = 0.0
             continue
-        a, b = index[j, NODE_A], index[j, PRESENT_B]
-        source = a if path[j, SENSE] > 0.0 else b
-        mass_flow = node[source, DENSITY] * flow
-        gas_flow = mass_flow * node[source, GAS]
-        path[j, FLOW] = mass_flow
-        node[a, MASS_RATE] -= mass_flow
-        node[b, MASS_RATE] += mass_flow
-        node[a, GAS_RATE] -= gas_flow
-        node[b, GAS_RATE] += gas_flow
+        a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
+        source = a if path[j, col.SENSE] > 0.0 else b
+        mass_flow = node[source, col.DENSITY] * flow
+        gas_flow = mass_flow * node[source, col.GAS]
+        path[j, col.FLOW] = mass_flow
+        node[a, col.MASS_RATE] -= mass_flow
+        node[b, col.MASS_RATE] += mass_flow
+        node[a, col.GAS_RATE] -= gas_flow
+        node[b, col.GAS_RATE] += gas_flow
 
 
 @kernel
@@ -313,15 +267,15 @@ def shift_flows(s: SystemArrays) -> None:
     """Move the flows of all paths linearly to the present pressures, and keep them."""
     node, path, index = s.node, s.path, s.open_index
     for j in range(s.paths.open[-1]):
-        if path[j, FLOW] == 0.0:
+        if path[j, col.FLOW] == 0.0:
             continue
-        a, b = index[j, NODE_A], index[j, PRESENT_B]
-        change = node[a, PRESSURE] - node[b, PRESSURE] - path[j, DROP]
-        path[j, DROP] += change
-        path[j, VOLUME_FLOW] += path[j, FLOW_BY_PRESSURE] * change
-        path[j, LAST_FLOW] = path[j, VOLUME_FLOW]
-        source = a if path[j, VOLUME_FLOW] > 0.0 else b
-        path[j, FLOW] = node[source, DENSITY] * path[j, VOLUME_FLOW]
+        a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
+        change = node[a, col.PRESSURE] - node[b, col.PRESSURE] - path[j, col.DROP]
+        path[j, col.DROP] += change
+        path[j, col.VOLUME_FLOW] += path[j, col.FLOW_BY_PRESSURE] * change
+        path[j, col.LAST_FLOW] = path[j, col.VOLUME_FLOW]
+        source = a if path[j, col.VOLUME_FLOW] > 0.0 else b
+        path[j, col.FLOW] = node[source, col.DENSITY] * path[j, col.VOLUME_FLOW]
 
 
 @merged
@@ -344,16 +298,16 @@ def book_throttling(s: SystemArrays, speed: float, ledger: Array) -> float:
     node, path, index = s.node, s.path, s.open_index
     torque = 0.0
     for j in range(s.paths.open[-1]):
-        flow = path[j, FLOW]
+        flow = path[j, col.FLOW]
         if flow == 0.0:
-            path[j, LOSS] = 0.0
+            path[j, col.LOSS] = 0.0
             continue
-        a, b = index[j, NODE_A], index[j, PRESENT_B]
-        gas = node[a, GAS] if flow > 0.0 else node[b, GAS]
-        drop = (1.0 - gas) * (node[a, LIQUID_ENTHALPY] - node[b, LIQUID_ENTHALPY])
-        drop += gas * (node[a, GAS_ENTHALPY] - node[b, GAS_ENTHALPY])
-        wall = path[j, DRAG] * (node[b, PRESSURE] - node[a, PRESSURE])
-        path[j, LOSS] = flow * drop + wall * speed
-        ledger[THROTTLING + index[j, CATEGORY]] += path[j, LOSS]
+        a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
+        gas = node[a, col.GAS] if flow > 0.0 else node[b, col.GAS]
+        drop = (1.0 - gas) * (node[a, col.LIQUID_ENTHALPY] - node[b, col.LIQUID_ENTHALPY])
+        drop += gas * (node[a, col.GAS_ENTHALPY] - node[b, col.GAS_ENTHALPY])
+        wall = path[j, col.DRAG] * (node[b, col.PRESSURE] - node[a, col.PRESSURE])
+        path[j, col.LOSS] = flow * drop + wall * speed
+        ledger[THROTTLING + index[j, col.CATEGORY]] += path[j, col.LOSS]
         torque += wall
     return torque

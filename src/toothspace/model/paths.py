@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.model.arrays import CURVED_GAP, FITTED_GAP, ORIFICE, PARALLEL_GAP
+from toothspace.model import arrays as col
 from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.path_category import (
@@ -20,10 +20,10 @@ from toothspace.model.path_category import (
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _KINDS = {
-    "curved_gap": CURVED_GAP,
-    "fitted_gap": FITTED_GAP,
-    "parallel_gap": PARALLEL_GAP,
-    "orifice": ORIFICE,
+    "curved_gap": col.CURVED_GAP,
+    "fitted_gap": col.FITTED_GAP,
+    "parallel_gap": col.PARALLEL_GAP,
+    "orifice": col.ORIFICE,
 }
 
 

@@ -6,29 +6,8 @@ import math
 
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    ADDED_FRICTION,
-    BREAKAWAY,
-    BREAKAWAY_SPEED,
-    CLEARANCE,
-    DIRECTION,
-    DRIVING_TORQUE,
-    FREE,
-    GAS_RATE,
-    HOLDING_TORQUE,
-    INERTIA,
-    JOURNAL_CLEARANCE,
-    MASS_RATE,
-    MOTION_MASS,
-    MOTION_RATIO,
-    PAIR_ONSET,
-    PRESSURE,
-    PRESSURE_BY_MASS,
-    SLOPE,
-    VALUE,
-    VOLUME_RATE,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.bodies import (
     book_journal_friction,
     journal_place,
@@ -100,9 +79,9 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> bool:
     fill_values(s.chambers, s.chamber_values)
     fill_slopes(s.chambers, s.chamber_slopes)
     find_intervals(s.bank, s.contacts, shaft_angle)
-    fill_values(s.contacts, s.contact_values[VALUE])
+    fill_values(s.contacts, s.contact_values[col.VALUE])
     if s.size.compliant > 0:
-        fill_slopes(s.contacts, s.contact_values[SLOPE])
+        fill_slopes(s.contacts, s.contact_values[col.SLOPE])
     changed = find_intervals(s.bank, s.paths, shaft_angle)
     if changed:
         update_partners(s)
@@ -154,12 +133,12 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
     for i in range(size.nodes):
         d = dynamic[i]
         if d >= 0:
-            rate[size.mass + d] = node[i, MASS_RATE]
-            rate[size.gas + d] = node[i, GAS_RATE]
+            rate[size.mass + d] = node[i, col.MASS_RATE]
+            rate[size.gas + d] = node[i, col.GAS_RATE]
     for k in range(size.motions):
         rate[size.position + k] = state[size.velocity + k]
-        carried = motion[k, MOTION_RATIO] * rate[1]
-        rate[size.velocity + k] = motion_force(s, k) / motion[k, MOTION_MASS] - carried
+        carried = motion[k, col.MOTION_RATIO] * rate[1]
+        rate[size.velocity + k] = motion_force(s, k) / motion[k, col.MOTION_MASS] - carried
     if size.core > size.column:
         fill_column_rates(s, state, rate)
         fill_film_rates(s, state, rate)
@@ -169,8 +148,8 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
     for port in range(PORTS):
         i = size.chambers + port
         if dynamic[i] < 0:
-            rate[size.core + MASS + port] = node[i, MASS_RATE]
-            rate[size.core + GAS_MASS + port] = node[i, GAS_RATE]
+            rate[size.core + MASS + port] = node[i, col.MASS_RATE]
+            rate[size.core + GAS_MASS + port] = node[i, col.GAS_RATE]
 
 
 @kernel
@@ -202,18 +181,18 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     node, drive, speed = s.node, s.drive, state[1]
     torque = 0.0
     for i in range(s.size.chambers):
-        torque -= node[i, PRESSURE] * node[i, VOLUME_RATE]
+        torque -= node[i, col.PRESSURE] * node[i, col.VOLUME_RATE]
     torque += book_throttling(s, speed, ledger)
     torque += book_contacts(s, state, ledger)
     for k in range(s.size.motions):
-        torque += s.motion[k, MOTION_RATIO] * motion_force(s, k)
-    drive[DRIVING_TORQUE] = -torque - taken_torque(s, state)
+        torque += s.motion[k, col.MOTION_RATIO] * motion_force(s, k)
+    drive[col.DRIVING_TORQUE] = -torque - taken_torque(s, state)
     update_fade(s, speed)
     torque += book_journal_friction(s, state, ledger)
     torque += book_friction(s, state, ledger, torque)
-    if drive[FREE] > 0.0 and drive[DIRECTION] == 0.0:
-        s.torque[STARTUP] = drive[DRIVING_TORQUE]
-        torque += drive[DRIVING_TORQUE]
+    if drive[col.FREE] > 0.0 and drive[col.DIRECTION] == 0.0:
+        s.torque[STARTUP] = drive[col.DRIVING_TORQUE]
+        torque += drive[col.DRIVING_TORQUE]
     s.torque[-1] = torque
     ledger[SHAFT] = torque * speed
     ledger[SHAFT_LOAD], ledger[COUPLING] = load_power(s, state)
@@ -223,27 +202,27 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
 def shaft_acceleration(t: float, state: Array, s: SystemArrays) -> float:
     """Angular acceleration of the shaft: prescribed, zero while it sticks, or free. [rad/s2]."""
     drive = s.drive
-    if drive[FREE] == 0.0:
+    if drive[col.FREE] == 0.0:
         return prescribed_acceleration(s, t)
     s.scratch[:] = 0.0
     book_shaft(s, state, s.scratch)
-    if drive[DIRECTION] == 0.0:
+    if drive[col.DIRECTION] == 0.0:
         return 0.0
-    return -(s.torque[-1] + taken_torque(s, state)) / drive[INERTIA]
+    return -(s.torque[-1] + taken_torque(s, state)) / drive[col.INERTIA]
 
 
 @kernel
 def held_torque(s: SystemArrays, state: Array) -> None:
     """Torque that friction must hold at rest, and the largest that it can hold."""
     drive = s.drive
-    drive[DIRECTION] = 1.0
+    drive[col.DIRECTION] = 1.0
     s.scratch[:] = 0.0
     book_shaft(s, state, s.scratch)
-    drive[HOLDING_TORQUE] = drive[BREAKAWAY]
-    if drive[ADDED_FRICTION] > 0.0:
+    drive[col.HOLDING_TORQUE] = drive[col.BREAKAWAY]
+    if drive[col.ADDED_FRICTION] > 0.0:
         for mechanism in (JOURNAL_ASPERITY, MESH_FRICTION):
-            drive[HOLDING_TORQUE] += s.torque[mechanism]
-    drive[DIRECTION] = 0.0
+            drive[col.HOLDING_TORQUE] += s.torque[mechanism]
+    drive[col.DIRECTION] = 0.0
 
 
 @kernel
@@ -296,12 +275,12 @@ def fill_weights(s: SystemArrays, state: Array, weight: Array) -> None:
         if d < 0:
             continue
         mass = state[size.mass + d]
-        pressure_error = tolerance * (abs(node[i, PRESSURE]) + s.constant.pressure_scale)
-        by_pressure = pressure_error / node[i, PRESSURE_BY_MASS]
+        pressure_error = tolerance * (abs(node[i, col.PRESSURE]) + s.constant.pressure_scale)
+        by_pressure = pressure_error / node[i, col.PRESSURE_BY_MASS]
         weight[size.mass + d] = min(by_pressure, 10.0 * tolerance * mass)
         weight[size.gas + d] = 10.0 * tolerance * total_gas * mass
     for k in range(size.motions):
-        clearance = motion[k, CLEARANCE]
+        clearance = motion[k, col.CLEARANCE]
         weight[size.position + k] = 10.0 * tolerance * clearance
         weight[size.velocity + k] = 1000.0 * tolerance * clearance * max(abs(state[1]), 1.0)
     if size.core > size.column:
@@ -323,18 +302,18 @@ def fill_event_values(s: SystemArrays, t: float, state: Array, values: Array) ->
     node, journal, size = s.node, s.journal, s.size
     onset = s.fluid.vapour_pressure + 2.0 * s.fluid.vapour_smoothing
     for i in range(size.chambers):
-        values[i] = (node[i, PRESSURE] - onset) / onset
+        values[i] = (node[i, col.PRESSURE] - onset) / onset
     for j in range(size.journals):
         ex, ey = journal_place(s, state, j)
         distance = math.sqrt(ex * ex + ey * ey)
-        values[size.chambers + j] = 1.0 - distance / journal[j, JOURNAL_CLEARANCE]
+        values[size.chambers + j] = 1.0 - distance / journal[j, col.JOURNAL_CLEARANCE]
     first = size.chambers + size.journals
     if size.contacts > size.compliant:
         values[first] = mesh_force(s)
     for j in range(size.compliant):
-        onset = s.contact[j, PAIR_ONSET]
+        onset = s.contact[j, col.PAIR_ONSET]
         values[first + j] = 1.0 - contact_gap(s, state, j) / onset
-    if s.drive[FREE] > 0.0:
+    if s.drive[col.FREE] > 0.0:
         values[-1] = distance_to_switch(t, state, s)
 
 
@@ -342,9 +321,9 @@ def fill_event_values(s: SystemArrays, t: float, state: Array, values: Array) ->
 def distance_to_switch(t: float, state: Array, s: SystemArrays) -> float:
     """Positive while the shaft may go on sticking, or sliding in its direction. [-]."""
     drive = s.drive
-    if drive[DIRECTION] != 0.0:
-        return drive[DIRECTION] * state[1] / drive[BREAKAWAY_SPEED] + REVERSED
+    if drive[col.DIRECTION] != 0.0:
+        return drive[col.DIRECTION] * state[1] / drive[col.BREAKAWAY_SPEED] + REVERSED
     evaluate(s, state)
     update_load(s, t)
     held_torque(s, state)
-    return 1.0 - abs(drive[DRIVING_TORQUE]) / max(drive[HOLDING_TORQUE], SMALLEST_TORQUE)
+    return 1.0 - abs(drive[col.DRIVING_TORQUE]) / max(drive[col.HOLDING_TORQUE], SMALLEST_TORQUE)

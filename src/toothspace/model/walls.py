@@ -15,15 +15,7 @@ from toothspace.closures.density import mixture_pressure
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    GAS_EXPONENT,
-    GAS_VOLUME,
-    PRECHARGE,
-    REST_VOLUME,
-    VOLUME,
-    WALL_COMPLIANCE,
-    WALL_SLOPE,
-)
+from toothspace.model import arrays as col
 
 ITERATIONS = 60
 TOLERANCE = 1e-15
@@ -32,11 +24,11 @@ TOLERANCE = 1e-15
 @kernel
 def wall_volume(node: Array, pressure: float) -> tuple[float, float]:
     """Volume of a node at an absolute pressure [Pa] and its slope. [m3], [m3/Pa]."""
-    volume = node[REST_VOLUME] + node[WALL_COMPLIANCE] * pressure
-    slope = node[WALL_COMPLIANCE]
-    if pressure > node[PRECHARGE] and node[GAS_VOLUME] > 0.0:
+    volume = node[col.REST_VOLUME] + node[col.WALL_COMPLIANCE] * pressure
+    slope = node[col.WALL_COMPLIANCE]
+    if pressure > node[col.PRECHARGE] and node[col.GAS_VOLUME] > 0.0:
         taken, by_pressure = gas_charge_volume(
-            pressure, node[GAS_VOLUME], node[PRECHARGE], node[GAS_EXPONENT]
+            pressure, node[col.GAS_VOLUME], node[col.PRECHARGE], node[col.GAS_EXPONENT]
         )
         volume += taken
         slope += by_pressure
@@ -46,16 +38,16 @@ def wall_volume(node: Array, pressure: float) -> tuple[float, float]:
 @kernel
 def update_volume(node: Array, mass: float, gas: float, fluid: FluidLaw) -> None:
     """Find the volume at which wall and content have one pressure; Newton in a bracket."""
-    if node[WALL_COMPLIANCE] == 0.0 and node[GAS_VOLUME] == 0.0:
-        node[VOLUME] = node[REST_VOLUME]
+    if node[col.WALL_COMPLIANCE] == 0.0 and node[col.GAS_VOLUME] == 0.0:
+        node[col.VOLUME] = node[col.REST_VOLUME]
         return
-    low = node[REST_VOLUME]
+    low = node[col.REST_VOLUME]
     pressure, _, _ = mixture_pressure(low / mass, gas, fluid)
-    high = low + node[GAS_VOLUME] + node[WALL_COMPLIANCE] * max(pressure, 0.0)
-    volume = min(max(node[VOLUME], low), high)
+    high = low + node[col.GAS_VOLUME] + node[col.WALL_COMPLIANCE] * max(pressure, 0.0)
+    volume = min(max(node[col.VOLUME], low), high)
     for _ in range(ITERATIONS):
         pressure, by_volume, _ = mixture_pressure(volume / mass, gas, fluid)
-        wall, node[WALL_SLOPE] = wall_volume(node, pressure)
+        wall, node[col.WALL_SLOPE] = wall_volume(node, pressure)
         error = wall - volume
         if abs(error) <= TOLERANCE * volume:
             break
@@ -63,16 +55,17 @@ def update_volume(node: Array, mass: float, gas: float, fluid: FluidLaw) -> None
             low = volume
         else:
             high = volume
-        volume += error / (1.0 - node[WALL_SLOPE] * by_volume / mass)
+        volume += error / (1.0 - node[col.WALL_SLOPE] * by_volume / mass)
         if not low < volume < high:
             volume = 0.5 * (low + high)
-    node[VOLUME] = volume
+    node[col.VOLUME] = volume
 
 
 @kernel
 def wall_energy(node: Array, pressure: float) -> float:
     """Energy kept in the wall and in the gas charge of a node. [J]."""
-    energy = 0.5 * node[WALL_COMPLIANCE] * pressure * pressure
-    if pressure > node[PRECHARGE] and node[GAS_VOLUME] > 0.0:
-        energy += gas_charge_energy(pressure, node[GAS_VOLUME], node[PRECHARGE], node[GAS_EXPONENT])
+    energy = 0.5 * node[col.WALL_COMPLIANCE] * pressure * pressure
+    if pressure > node[col.PRECHARGE] and node[col.GAS_VOLUME] > 0.0:
+        volume, exponent = node[col.GAS_VOLUME], node[col.GAS_EXPONENT]
+        energy += gas_charge_energy(pressure, volume, node[col.PRECHARGE], exponent)
     return energy

@@ -89,6 +89,27 @@ def _face_terms(
     return 0.0, max(outflow, 0.0), conductance * known + entering
 
 
+@inlined
+def neighbour_terms(
+    b: CellBalance,
+    place: tuple[int, int],
+    kinds: tuple[int, int, int, int],
+    known: tuple[float, float, float, float],
+) -> tuple[tuple[float, float, float, float], tuple[float, float, float, float], float]:
+    """Coefficients of the neighbours of a cell, what each delivers, and all that leaves it if full.
+
+    ``kinds`` and ``known`` are kinds and potentials of the neighbours west, south, north and east.
+    """
+    i, j = place
+    gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
+    west, leaving_west, from_west = _face_terms(gx[i, j], -cx[i, j], kinds[0], known[0])
+    south, leaving_south, from_south = _face_terms(gy[i, j], -cy[i, j], kinds[1], known[1])
+    north, leaving_north, from_north = _face_terms(gy[i, j + 1], cy[i, j + 1], kinds[2], known[2])
+    east, leaving_east, from_east = _face_terms(gx[i + 1, j], cx[i + 1, j], kinds[3], known[3])
+    leaving = b.storage[i, j] + leaving_west + leaving_south + leaving_north + leaving_east
+    return (west, south, north, east), (from_west, from_south, from_north, from_east), leaving
+
+
 @njit(nogil=True)
 def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     """Five-point matrix and right-hand side for given kinds of the cells."""
@@ -97,7 +118,7 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     rhs = np.empty(rows * lanes)
     known, _ = bordered(b, b.prescribed, b.prescribed)
     kinds = _bordered_kind(kind, b.ring)
-    gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
+    gx, gy = b.conductance_x, b.conductance_y
     for i in range(rows):
         for j in range(lanes):
             r, p, q = i * lanes + j, i + 1, j + 1
@@ -107,26 +128,18 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
                 stencil[r, 2] = size if size > 0.0 else 1.0
                 rhs[r] = stencil[r, 2] * known[p, q]
                 continue
-            west, out, gain = _face_terms(gx[i, j], -cx[i, j], kinds[p - 1, q], known[p - 1, q])
-            leaving, supply = b.storage[i, j] + out, b.source[i, j] + gain
-            south, out, gain = _face_terms(gy[i, j], -cy[i, j], kinds[p, q - 1], known[p, q - 1])
-            leaving, supply = leaving + out, supply + gain
-            north, out, gain = _face_terms(
-                gy[i, j + 1], cy[i, j + 1], kinds[p, q + 1], known[p, q + 1]
-            )
-            leaving, supply = leaving + out, supply + gain
-            east, out, gain = _face_terms(
-                gx[i + 1, j], cx[i + 1, j], kinds[p + 1, q], known[p + 1, q]
-            )
-            leaving, supply = leaving + out, supply + gain
+            round_it = kinds[p - 1, q], kinds[p, q - 1], kinds[p, q + 1], kinds[p + 1, q]
+            given = known[p - 1, q], known[p, q - 1], known[p, q + 1], known[p + 1, q]
+            sides, gains, leaving = neighbour_terms(b, (i, j), round_it, given)
+            supply = b.source[i, j] + gains[0] + gains[1] + gains[2] + gains[3]
             if kind[i, j] == 0:
                 leaving, supply = size, supply - leaving
             elif leaving <= 0.0:
                 # nothing leaves the cell, so it fills up: the next pass takes it as saturated
                 stencil[r, 2], rhs[r] = 1.0, 2.0
                 continue
-            stencil[r, 0], stencil[r, 1], stencil[r, 2] = west, south, leaving
-            stencil[r, 3], stencil[r, 4], rhs[r] = north, east, supply
+            stencil[r, 0], stencil[r, 1], stencil[r, 2] = sides[0], sides[1], leaving
+            stencil[r, 3], stencil[r, 4], rhs[r] = sides[2], sides[3], supply
     return stencil, rhs
 
 

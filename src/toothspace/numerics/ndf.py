@@ -125,7 +125,7 @@ def _reset(state: NdfState, t0: float, y0: Array) -> None:
     copy(y0, state.differences[0])
     control.time = control.valid_until = t0
     control.order = control.next_order = 1
-    control.equal_steps = control.pending = control.rate_known = 0
+    control.equal_steps = control.pending = control.rate_known = control.carried_lately = 0
 
 
 @kernel

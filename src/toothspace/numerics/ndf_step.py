@@ -78,10 +78,9 @@ NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.01
 LATER_TOLERANCE = 0.6
 
-# A step whose error passes this in an iteration that contracts at least so fast will fail its
-# test: cut it then. A first correction, or a slow one, says little about where it leads.
+# A step whose error passes this within the iteration will fail its test: cut it then, but not in
+# the steps after one that took carried unknowns: there a correction says little about the end.
 HOPELESS_ERROR = 1.2
-SURE_RATE = 0.3
 
 # When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
 # Jacobian is assumed to contract by FRESH_RATE until measured.
@@ -353,9 +352,8 @@ def _judge_carried(control: Any, size: float) -> int:
 
 @kernel
 def _hopeless(settings: NdfSettings, state: NdfState) -> bool:
-    control = state.control[0]
-    sure = control.iteration > 1 and control.rate < SURE_RATE
-    return sure and _step_error(settings, state) > HOPELESS_ERROR
+    lately = state.control[0].carried_lately
+    return lately == 0 and _step_error(settings, state) > HOPELESS_ERROR
 
 
 @kernel
@@ -407,6 +405,9 @@ def _move(settings: NdfSettings, state: NdfState, error: float) -> None:
     control.steps += 1
     control.equal_steps += 1
     control.jacobian_age += 1
+    control.carried_lately = max(0, control.carried_lately - 1)
+    if control.origin != FROM_STATE:
+        control.carried_lately = JACOBIAN_AGE
     if control.rate_known == 1 and control.rate > SLOW_RATE:
         control.jacobian_age += JACOBIAN_AGE
     if control.equal_steps > order:

@@ -53,6 +53,7 @@ CONTROL = np.dtype(
         ("not_finite", "i8"),
         ("jacobian_wanted", "i8"),
         ("origin", "i8"),
+        ("carried_lately", "i8"),
         ("jacobian_age", "i8"),
         ("dense_factors", "i8"),
         ("steps", "i8"),

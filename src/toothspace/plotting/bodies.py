@@ -8,6 +8,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
+from toothspace.plotting.section import port_side
 from toothspace.plotting.style import BLUE, CYCLE, GREY, LIGHT, ORANGE, new_figure, readable, styled
 from toothspace.results.solution import Solution
 
@@ -31,32 +32,40 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
         if "block_position" in solution.data:
             moving = np.asarray(solution.data["block_position"].sel(axis=["x", "y"]))
             seat = 1e6 * moving.mean(axis=0)
+        title = readable(body)
         for journal in () if description is None else description.journals:
             if journal.body == body:
-                _clearance_circle(circle, seat, 1e6 * journal.radial_clearance)
+                clearance = 1e6 * journal.radial_clearance
+                _clearance_circle(circle, seat, clearance)
+                title = f"{title}, clearance {clearance:.3g} µm"
         for axes in (circle, orbit):
             axes.plot(x, y, color=BLUE, linewidth=1.2)
-            axes.plot(
-                np.mean(x), np.mean(y), "o", color=ORANGE, markersize=4, label="Mean position"
-            )
+            (mean,) = axes.plot(np.mean(x), np.mean(y), "o", color=ORANGE, markersize=4)
             axes.set_ylabel("y (µm)")
         circle.set_aspect("equal", adjustable="datalim")
-        circle.set_title(f"Journal orbit: {readable(body).lower()}")
-        circle.legend(loc="lower right")
+        circle.set_title(title)
         circle.locator_params(nbins=6)
         orbit.set_title("Magnified", fontweight="normal", fontsize=9)
         orbit.margins(0.15)
         orbit.ticklabel_format(useOffset=False)
         orbit.locator_params(axis="x", nbins=5)
-        orbit.set_xlabel("x, towards the outlet (µm)")
+        orbit.set_xlabel(f"x{_towards(description)} (µm)")
+    figure.legend([mean], ["Mean position"], loc="outside upper right")
     return figure
+
+
+def _towards(description: MachineDescription | None) -> str:
+    """Where x points to, in words."""
+    if description is None or "casing" not in description.outlines:
+        return ""
+    return f", towards the {'outlet' if port_side(description, 'outlet') > 0.0 else 'inlet'}"
 
 
 def _clearance_circle(axes: Axes, seat: Array, clearance: float) -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle = seat[:, None] + clearance * np.array([np.cos(turn), np.sin(turn)])
     axes.fill(*circle, color=LIGHT, alpha=0.6, linewidth=0.0, zorder=0)
-    axes.plot(*circle, color=GREY, linewidth=1.0, label=f"Clearance {clearance:.3g} µm")
+    axes.plot(*circle, color=GREY, linewidth=1.0)
     axes.plot(*seat[:, None], "+", color=GREY, markersize=8)
 
 
@@ -122,5 +131,6 @@ def force_polar(solution: Solution, description: MachineDescription | None = Non
         axes.set_rlabel_position(np.degrees(direction) + 90.0)  # type: ignore[attr-defined]
         note = f"mean {size:.2f} kN at {np.degrees(direction) % 360:.0f}°"
         axes.set_title(f"{readable(body)}: {note}", pad=14)
-    figure.suptitle("Pressure force (kN), 0° towards the outlet", x=0.01, ha="left", fontsize=9)
+    note = f"Pressure force (kN), 0° along x{_towards(description)}"
+    figure.suptitle(note, x=0.01, ha="left", fontsize=9)
     return figure

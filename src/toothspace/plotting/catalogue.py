@@ -71,8 +71,8 @@ class FigureEntry:
 FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "gear_section",
-        "Section with the pressure of every tooth space at four angles within one tooth pitch. "
-        "Dashed: relief grooves.",
+        "Section with the pressure of every chamber at four angles within one tooth pitch. "
+        "Dashed: relief grooves, and ports in the covers.",
         "pressure",
         section.gear_section,
         ("chamber_pressure",),
@@ -81,7 +81,7 @@ FIGURES: tuple[FigureEntry, ...] = (
     ),
     FigureEntry(
         "chamber_pressure",
-        "Pressure in one tooth space on its way round. Bars below: to which port or groove it is "
+        "Pressure in one chamber on its way round. Bars below: to which port or groove it is "
         "open. Shaded: free gas and vapour, where there is any.",
         "pressure",
         waveforms.chamber_pressure_over_turn,
@@ -169,14 +169,14 @@ FIGURES: tuple[FigureEntry, ...] = (
     ),
     FigureEntry(
         "volumes",
-        "Volume of a tooth space and its exact derivative. The smallest volume is in the mesh.",
+        "Volume of a chamber and its exact derivative. The smallest volume is in the mesh.",
         "geometry",
         lambda _, machine: geometry.volumes(machine),
         needs_machine=True,
     ),
     FigureEntry(
         "groove_timing",
-        "Groove timing: ports and grooves that every tooth space is open to over one turn, and "
+        "Groove timing: ports and grooves that every chamber is open to over one turn, and "
         "openings with the trapped volume where it is smallest.",
         "geometry",
         lambda _, machine: geometry.groove_timing(machine),
@@ -184,7 +184,7 @@ FIGURES: tuple[FigureEntry, ...] = (
     ),
     FigureEntry(
         "openings",
-        "Open area from a tooth space to ports and relief grooves.",
+        "Open area from a chamber to ports and relief grooves.",
         "geometry",
         lambda _, machine: geometry.openings(machine),
         needs_machine=True,

@@ -32,7 +32,7 @@ def volumes(description: MachineDescription) -> Figure:
         slope = family.volume.derivative(angle)[:, 0] * family.angle_ratio
         lower.plot(degrees, slope * 1e9, style, color=color)
     upper.set(title="Chamber volume and its derivative", ylabel="Volume (mm³)", ylim=(0.0, None))
-    upper.legend(loc="lower right")
+    figure.legend(loc="outside upper right", ncols=len(families))
     lower.set_ylabel("dV/dφ (mm³/rad)")
     angle_axis(lower, "Chamber angle (deg)", float(degrees[-1]))
     return figure
@@ -64,9 +64,9 @@ def openings(description: MachineDescription) -> Figure:
 
 @styled
 def groove_timing(description: MachineDescription) -> Figure:
-    """When every tooth space is open to which port over one turn of the shaft, and its volume.
+    """When every chamber is open to which port over one turn of the shaft, and its volume.
 
-    One row for each tooth space of the first family that ports open; a row without a bar at an
+    One row for each chamber of the first family that ports open; a row without a bar at an
     angle is sealed there. Below, openings and volume of the first one about its smallest volume.
     """
     family = next(f for f in description.families if _has_ports(description, f))
@@ -80,8 +80,8 @@ def groove_timing(description: MachineDescription) -> Figure:
                     place = (k + 0.22 * (j - 0.5 * (len(shown) - 1)) - 0.1, 0.2)
                     rows.broken_barh([(first, width)], place, color=category.colour)
     rows.set_yticks(range(family.count), [str(k) for k in range(family.count)])
-    rows.set_ylabel(f"{readable(family.name).removesuffix(' space')} space (number)")
-    rows.set_title("Openings of every tooth space")
+    rows.set_ylabel(f"{readable(family.name)} (number)")
+    rows.set_title("Openings of every chamber")
     rows.grid(visible=False, axis="y")
     angle_axis(rows)
     _draw_mesh_window(below, description, family, shown)

@@ -97,7 +97,7 @@ def contact_span(solution: Solution, description: MachineDescription) -> Figure:
     axes.plot([], [], color=BLUE, linewidth=5.0, label="contact force (N)")
     axes.set_ylim(0.0, 1.25 * float(mean.max()) or 1.0)
     axes.set_title(f"Loaded over {found.span():.2f} pitches")
-    axes.set_rlabel_position(180.0)
+    axes.set_rlabel_position(np.degrees(center) + 180.0)
     axes.set_xticks(np.radians(range(0, 360, 45)))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.18), ncols=2)
     return figure

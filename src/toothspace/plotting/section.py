@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toothspace.core.types import Array
+from toothspace.geometry.polygon import enclosed
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
 from toothspace.results.solution import Solution
@@ -24,11 +26,10 @@ _WALL = 0.08  # drawn thickness of the housing over its height
 
 def turned_section(description: MachineDescription, body: Body, shaft_angle: float) -> Any:
     """Section of a body in the frame of the machine at a shaft angle, a ring with its hole. [m]."""
-    import shapely
     from shapely.affinity import rotate, translate
 
     # the two sides of the cut through a ring coincide before it is turned
-    section = shapely.make_valid(shapely.Polygon(description.outlines[body.name]))
+    (section,) = enclosed([description.outlines[body.name]])
     turn = body.speed_ratio * shaft_angle
     return translate(rotate(section, turn, origin=(0.0, 0.0), use_radians=True), *body.center)
 
@@ -48,11 +49,23 @@ def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[Any
     list of shapely geometry
         Areas that they fill. [m]
     """
-    import shapely
-
     assert description.chamber_outlines is not None
-    outlines = description.chamber_outlines(shaft_angle)
-    return [shapely.make_valid(shapely.Polygon(outline)) for outline in outlines]
+    return list(enclosed(description.chamber_outlines(shaft_angle)))
+
+
+def recess_outlines(description: MachineDescription) -> dict[str, Array]:
+    """Outlines of relief grooves and of ports in the covers by name, closed. [m]."""
+    return {
+        name: np.vstack([outline, outline[:1]])
+        for name, outline in description.outlines.items()
+        if name.startswith(("groove_", "port_"))
+    }
+
+
+def pitch_angle(description: MachineDescription) -> float:
+    """Shaft angle after which the chambers look the same. [rad]."""
+    first = description.families[0]
+    return float(2.0 * np.pi / (first.count * abs(first.angle_ratio)))
 
 
 def _tip_radius(description: MachineDescription, body: int) -> float:
@@ -84,7 +97,7 @@ def gear_section(
     from matplotlib.colors import Normalize
 
     angle = np.asarray(solution.data["shaft_angle"])
-    pitch = 2.0 * np.pi / description.families[0].count
+    pitch = pitch_angle(description)
     columns = min(len(fractions), 2)
     rows = -(-len(fractions) // columns)
     left, low, right, high = housing_region(description).bounds
@@ -136,10 +149,8 @@ def _draw_section(
         _fill(axes, region, facecolor=colour, edgecolor=colour, linewidth=0.4)
     _draw_bodies(axes, description, shaft_angle)
     _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
-    for name, outline in description.outlines.items():
-        if "groove" in name:
-            closed = np.vstack([outline, outline[:1]]) * _MM
-            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+    for outline in recess_outlines(description).values():
+        axes.plot(*(_MM * outline.T), color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
     axes.set_aspect("equal")
     axes.set_axis_off()
 
@@ -148,7 +159,7 @@ def housing_region(description: MachineDescription) -> Any:
     """Wall of the housing around the bores, for drawing. [m]."""
     import shapely
 
-    casing = shapely.make_valid(shapely.Polygon(description.outlines["casing"]))
+    (casing,) = enclosed([description.outlines["casing"]])
     bore = casing.union(_discs(description))
     wall = _WALL * float(np.ptp(description.outlines["casing"][:, 1]))
     ducts = [port_region(description, port) for port in ("inlet", "outlet")]
@@ -190,9 +201,14 @@ def port_region(description: MachineDescription, port: str) -> Any:
     far = float(np.max(np.abs(casing[:, 0]))) + _WALL * float(np.ptp(casing[:, 1]))
     limits = (-far, 0.0) if port == "inlet" else (0.0, far)
     duct = shapely.box(limits[0], middle - half, limits[1], middle + half)
-    bore = shapely.make_valid(shapely.Polygon(casing))
+    (bore,) = enclosed([casing])
     side = bore.intersection(shapely.box(limits[0], low, limits[1], high))
     return duct.union(side).difference(_discs(description))
+
+
+def port_side(description: MachineDescription, port: str) -> float:
+    """Place of a port along x: negative on the left. [m]."""
+    return float(port_region(description, port).centroid.x)
 
 
 def _name_port(
@@ -202,7 +218,7 @@ def _name_port(
     casing = description.outlines["casing"]
     wall = _WALL * float(np.ptp(casing[:, 1]))
     far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
-    left = port == "inlet"
+    left = port_side(description, port) < 0.0
     within = f"port_{port}" in description.outlines
     light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
     far = far + 0.5 * wall if within else far
@@ -224,9 +240,13 @@ def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float
         mark = _MM * np.asarray(body.center)
         axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
         # arc with an arrow head in the sense of rotation
-        turn = np.radians(np.linspace(20.0, 160.0, 40))
+        radius, half = 0.3 * _MM * _tip_radius(description, 0), 70.0
+        if solid.interiors:  # in the rim of a ring
+            hole = _MM * np.asarray(solid.interiors[0].coords) - mark
+            rim = _MM * np.hypot(*description.outlines[body.name].T).max()
+            radius, half = 0.5 * float(np.hypot(*hole.T).max() + rim), 20.0
+        turn = np.radians(90.0 + np.linspace(-half, half, 40))
         turn = turn if body.speed_ratio > 0.0 else np.pi - turn
-        radius = 0.3 * _MM * _tip_radius(description, 0)
         arc = mark[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
         axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
         arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}

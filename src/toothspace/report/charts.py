@@ -12,7 +12,9 @@ from toothspace.plotting.section import (
     fixed_parts,
     fluid_cells,
     housing_region,
+    pitch_angle,
     port_region,
+    recess_outlines,
     top_of_scale,
     turned_section,
 )
@@ -42,7 +44,7 @@ def turning_section(solution: Solution, description: MachineDescription) -> str:
     from toothspace.report.page import render
 
     angle = np.asarray(solution.data["shaft_angle"])
-    pitch = 2.0 * np.pi / description.families[0].count
+    pitch = pitch_angle(description)
     wanted = angle[0] + pitch * np.arange(_FRAMES) / _FRAMES
     samples = sorted({int(np.argmin(np.abs(angle - value))) for value in wanted})
     top = top_of_scale(solution) / _BAR
@@ -86,6 +88,8 @@ def _section(
         solid = turned_section(description, body, shaft_angle)
         areas.append(_area(solid, METAL, body.name.replace("_", " "), edge=INK))
     areas.append(_area(fixed_parts(description), LIGHT, "part of the housing", edge=INK))
+    for outline in recess_outlines(description).values():
+        areas.append(f'<path class="recess" d="{_curve(outline[:-1])}"/>')
     return areas
 
 
@@ -93,9 +97,12 @@ def _area(region: Any, colour: str, text: str, edge: str | None = None) -> str:
     region = region.simplify(_DRAWN_ERROR)
     polygons = [p for p in getattr(region, "geoms", [region]) if p.geom_type == "Polygon"]
     rings = [ring for p in polygons if not p.is_empty for ring in (p.exterior, *p.interiors)]
-    curves = [[f"{_MM * x:.2f} {-_MM * y:.2f}" for x, y, *_ in r.coords[:-1]] for r in rings]
-    outline = "".join(f"M{'L'.join(points)}Z" for points in curves)
+    outline = "".join(_curve(ring.coords[:-1]) for ring in rings)
     return (
         f'<path d="{outline}" fill="{colour}" fill-rule="evenodd" stroke="{edge or colour}" '
         f'stroke-width="0.1"><title>{escape(text)}</title></path>'
     )
+
+
+def _curve(points: Any) -> str:
+    return f"M{'L'.join(f'{_MM * x:.2f} {-_MM * y:.2f}' for x, y, *_ in points)}Z"

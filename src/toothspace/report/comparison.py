@@ -24,6 +24,15 @@ if TYPE_CHECKING:
 _TITLES = ("title", "base")
 """Keys that change no number."""
 
+_LONGEST_LIST = 6
+"""Keys that a warning names."""
+
+_WITHOUT_SHARE = ("_degC", "_deg", "_error")
+"""Ends of names whose zero is arbitrary, or that are all but zero: a share of them says nothing."""
+
+_MANIFOLD = 10.0
+"""Share from which a factor is easier to read. [-]"""
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -76,9 +85,11 @@ class Comparison:
         if "machine.type" in changed:
             found.append("The machines are of different types.")
         if len(physical) > 1:
+            more = len(physical) - _LONGEST_LIST
+            named = ", ".join(physical[:_LONGEST_LIST]) + (f" and {more} more" * (more > 0))
             found.append(
                 f"The cases differ in {len(physical)} keys, so that no difference belongs to one "
-                f"of them: {', '.join(physical)}."
+                f"of them: {named}."
             )
         if settings := [name for name in changed if name not in physical]:
             found.append(f"The runs have other settings: {', '.join(settings)}.")
@@ -91,19 +102,23 @@ class Comparison:
         return found
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Return both values, their difference and its share of the first, by name."""
+        """Return both values, their difference and its share of the first, by name.
+
+        The share is NaN where it says nothing: for temperatures, angles and balance errors, and
+        where the first value is zero or of the other sign.
+        """
         import pandas as pd
 
         columns = ["first", "second", "difference", "relative"]
-        rows = {name: _row(*both) for name, both in self.numbers().items()}
+        rows = {name: _row(name, *both) for name, both in self.numbers().items()}
         return pd.DataFrame.from_dict(rows, orient="index", columns=columns)
 
     def to_dict(self) -> dict[str, Any]:
         """Return keys, numbers, losses and warnings as one object for JSON."""
         return {
             "keys": {name: list(values) for name, values in self._keys.items()},
-            "numbers": {name: _row(*both) for name, both in self.numbers().items()},
-            "losses_W": {name: _row(*both) for name, both in self.losses().items()},
+            "numbers": {name: _row(name, *both) for name, both in self.numbers().items()},
+            "losses_W": {name: _row(name, *both) for name, both in self.losses().items()},
             "warnings": self.warnings(),
         }
 
@@ -115,7 +130,7 @@ class Comparison:
             warnings=self.warnings(),
             keys=self._keys,
             numbers=[_shown_number(name, *both) for name, both in self.numbers().items()],
-            losses=[(name, "W", *_shown_row(*both)) for name, both in self.losses().items()],
+            losses=[(n, "W", *_shown_row(n, "W", *both)) for n, both in self.losses().items()],
         )
         return write_text(Path(path), page)
 
@@ -132,21 +147,44 @@ class Comparison:
         return f"<table>{keys}</table>{numbers}"
 
 
-def _row(first: float, second: float) -> tuple[float, float, float, float]:
-    share = (second - first) / abs(first) if first else float("nan")
+def shown_change(name: str, first: float, second: float) -> str:
+    """Difference of a number as share of the first, as factor, or the unit of the difference.
+
+    Parameters
+    ----------
+    name : str
+        Name with the suffix of its unit; differences of temperatures are in K, of percentages in
+        points.
+    """
+    if name.endswith("_degC"):
+        return "K"
+    if name.endswith("_percent"):
+        return "points"
+    share = _row(name, first, second)[-1]
+    if isnan(share):
+        return "-"
+    return f"{100.0 * share:+.2f} %" if share < _MANIFOLD else f"x {second / first:.3g}"
+
+
+def _row(name: str, first: float, second: float) -> tuple[float, float, float, float]:
+    comparable = first * second > 0.0 or (first != 0.0 and second == 0.0)
+    share = float("nan")
+    if comparable and not name.endswith(_WITHOUT_SHARE):
+        share = (second - first) / abs(first)
     return first, second, second - first, share
 
 
-def _shown_row(first: float, second: float) -> tuple[str, str, str, str]:
-    *values, share = _row(first, second)
+def _shown_row(name: str, unit: str, first: float, second: float) -> tuple[str, str, str, str]:
+    scale = 100.0 if unit == "%" and name.endswith("_efficiency") else 1.0
+    values = (scale * first, scale * second, scale * (second - first))
     one, two, difference = (format_value(value) for value in values)
-    return one, two, difference, "" if isnan(share) else f"{100.0 * share:+.2f} %"
+    change = shown_change(name if scale == 1.0 else f"{name}_percent", first, second)
+    return one, two, difference, "" if change == "-" else change
 
 
 def _shown_number(name: str, first: float, second: float) -> tuple[str, ...]:
     label = quantity(name, first)
-    scale = 100.0 if label.unit == "%" and name.endswith("_efficiency") else 1.0
-    return label.label, label.unit, *_shown_row(scale * first, scale * second)
+    return label.label, label.unit, *_shown_row(name, label.unit, first, second)
 
 
 def _leaves(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:

@@ -25,6 +25,9 @@ VOLUMETRIC_LIMIT = 1.001
 OVERALL_LIMIT = 1.0 + 1e-6
 """Overall efficiency above which a warning says so; an ideal machine reaches 1. [-]"""
 
+LEAKAGE_LIMIT = 0.5
+"""Volumetric efficiency below which a warning says so. [-]"""
+
 PULL_LIMIT = 0.05
 """Pull of a rigid mesh, over its largest push, above which a warning says so. [-]"""
 
@@ -115,7 +118,12 @@ def _numbers(solution: Solution) -> Iterator[str]:
             "More leaks back than is displaced, so that the mean flow runs backwards: the machine "
             "cannot hold this pressure at this speed. Look at the clearances."
         )
-    elif overall < 0.0:
+    elif volumetric < LEAKAGE_LIMIT:
+        yield (
+            f"Volumetric efficiency is {volumetric:.3f}, below {LEAKAGE_LIMIT:g}. Look at the "
+            "clearances, the speed, and whether the chambers fill."
+        )
+    if overall < 0.0 and not volumetric < 0.0:
         yield (
             "The shaft is driven from outside although this is a motor: friction takes more than "
             "the pressure gives. Raise the pressure difference or look at the clearances."

@@ -106,11 +106,7 @@ def outlet_members(
 def _join(group: Any, path: FlowPath, shaft_angle: Array) -> None:
     geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle[:, None])
     open_gap = (geometry[..., 0] > _JOINING_GAP) & (geometry[..., 1] > 0.0)
-    turns = np.floor(
-        (path.phases + path.angle_ratio * shaft_angle[:, None]) / path.geometry.period
-    ).astype(int)
-    first, count = int(path.nodes_b.min()), int(path.nodes_b.max() - path.nodes_b.min()) + 1
-    partner = first + (path.nodes_b - first + turns * path.partner_shift) % count
+    partner = path.partners(shaft_angle)
     for row, column in zip(*np.nonzero(open_gap), strict=True):
         a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
         group[row][group[row] == max(a, b)] = min(a, b)

@@ -138,9 +138,8 @@ def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachi
         from toothspace.simulation.film_tables import with_film_tables
 
         description, tabulated = with_film_tables(description, tables)
-    models = interface_models(setup.case, tabulated)
-    if description.mesh is None:
-        models["contact"] = "compliant"
+    has_rigid_mesh = description.mesh is not None
+    models = interface_models(setup.case, tabulated, rigid_mesh=has_rigid_mesh)
     if "reynolds" in models.values():
         from toothspace.simulation.films import with_solved_films
 

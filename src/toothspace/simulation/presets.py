@@ -127,13 +127,17 @@ def unused_tables(case: Case) -> dict[str, str]:
     return given
 
 
-def interface_models(case: Case, tables: tuple[str, ...] = ()) -> dict[str, str]:
+def interface_models(
+    case: Case, tables: tuple[str, ...] = (), *, rigid_mesh: bool = True
+) -> dict[str, str]:
     """Model of each interface in a run of a case.
 
     Parameters
     ----------
     tables : tuple of str
         Interfaces whose films come from the tables of the case.
+    rigid_mesh : bool
+        Whether the machine offers a rigid mesh.
 
     Raises
     ------
@@ -142,7 +146,7 @@ def interface_models(case: Case, tables: tuple[str, ...] = ()) -> dict[str, str]
     """
     preset = PRESETS[case.run.fidelity]
     models = {name: offered[0] for name, offered in preset.interfaces.items()}
-    if models and case.run.mesh == "elastic":
+    if models and (case.run.mesh == "elastic" or not rigid_mesh):
         models["contact"] = "compliant"
     for name in tables:
         models[name] = "table"

@@ -12,26 +12,8 @@ import numpy as np
 
 from toothspace.core.compiled import kernel, passed_by_address
 from toothspace.core.types import Array, IntArray
-from toothspace.model.arrays import (
-    CONTACT_FORCE,
-    DENSITY,
-    DIRECTION,
-    DRAG,
-    ELEMENT_FLOW,
-    FILM_FORCE,
-    FLOW,
-    FREE,
-    GAS,
-    GEOMETRY,
-    HEIGHT_BY_MOTION,
-    LOSS,
-    NODE_A,
-    PRESENT_B,
-    PRESSURE,
-    PRESSURE_FORCE,
-    VOLUME,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.carried_flows import carry_flows
 from toothspace.model.chambers import update_volumes
 from toothspace.model.contacts import note_approach, update_contacts
@@ -266,50 +248,50 @@ def _wall_energy(s: SystemArrays, pressure: Array) -> float:
 
 @kernel
 def _observe(s: SystemArrays, times: Array, states: Array, rate: Array, out: Observation) -> None:
-    direction = s.drive[DIRECTION]
+    direction = s.drive[col.DIRECTION]
     for i in range(states.shape[0]):
         state = states[i]
-        if s.drive[FREE] > 0.0:
-            s.drive[DIRECTION] = np.sign(state[1])
+        if s.drive[col.FREE] > 0.0:
+            s.drive[col.DIRECTION] = np.sign(state[1])
         full_rates(times[i], state, s, rate)
         note_approach(s, state)
         _note_nodes(s, out, i)
         _note_paths(s, state, out, i)
         for k in range(s.size.motions):
-            out.pressure_force[i, k] = s.motion[k, PRESSURE_FORCE]
-            out.film_force[i, k] = s.motion[k, FILM_FORCE]
+            out.pressure_force[i, k] = s.motion[k, col.PRESSURE_FORCE]
+            out.film_force[i, k] = s.motion[k, col.FILM_FORCE]
         for k in range(s.contact.shape[0]):
-            out.contact_force[i, k] = s.contact[k, CONTACT_FORCE]
+            out.contact_force[i, k] = s.contact[k, col.CONTACT_FORCE]
         for k in range(s.torque.size):
             out.torque[i, k] = s.torque[k]
         for k in range(s.elements.shape[0]):
-            out.element_flow[i, k] = s.elements[k, ELEMENT_FLOW]
+            out.element_flow[i, k] = s.elements[k, col.ELEMENT_FLOW]
         for k in range(s.lateral.now.size):
             out.lateral[i, k] = s.lateral.now[k]
-    s.drive[DIRECTION] = direction
+    s.drive[col.DIRECTION] = direction
 
 
 @kernel
 def _note_nodes(s: SystemArrays, out: Observation, i: int) -> None:
     for j in range(s.size.nodes):
-        out.pressure[i, j] = s.node[j, PRESSURE]
-        out.density[i, j] = s.node[j, DENSITY]
-        out.volume[i, j] = s.node[j, VOLUME]
-        out.gas[i, j] = s.node[j, GAS]
+        out.pressure[i, j] = s.node[j, col.PRESSURE]
+        out.density[i, j] = s.node[j, col.DENSITY]
+        out.volume[i, j] = s.node[j, col.VOLUME]
+        out.gas[i, j] = s.node[j, col.GAS]
 
 
 @kernel
 def _note_paths(s: SystemArrays, state: Array, out: Observation, i: int) -> None:
     for j in range(s.size.paths):
-        a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+        a, b = s.path_index[j, col.NODE_A], s.path_index[j, col.PRESENT_B]
         out.path_partner[i, j] = b
-        out.path_drop[i, j] = s.node[a, PRESSURE] - s.node[b, PRESSURE]
+        out.path_drop[i, j] = s.node[a, col.PRESSURE] - s.node[b, col.PRESSURE]
     for row in range(s.paths.open[-1]):
         j = s.paths.open[row]
-        out.path_flow[i, j] = s.path[row, FLOW]
-        out.path_loss[i, j] = s.path[row, LOSS]
-        out.path_drag[i, j] = s.path[row, DRAG]
-        height = s.path_values[row, GEOMETRY]
+        out.path_flow[i, j] = s.path[row, col.FLOW]
+        out.path_loss[i, j] = s.path[row, col.LOSS]
+        out.path_drag[i, j] = s.path[row, col.DRAG]
+        height = s.path_values[row, col.GEOMETRY]
         for k in range(s.size.motions):
-            height += s.path_values[row, HEIGHT_BY_MOTION + k] * state[s.size.position + k]
+            height += s.path_values[row, col.HEIGHT_BY_MOTION + k] * state[s.size.position + k]
         out.raw_height[i, j] = height

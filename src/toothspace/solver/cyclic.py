@@ -10,7 +10,7 @@ import numpy as np
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
-from toothspace.model.arrays import CLEARANCE
+from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
@@ -151,7 +151,7 @@ class _PeriodicSearch:
         mass, gas = slice(size.mass, size.gas), slice(size.gas, size.position)
         scale[mass] = _COMPRESSION * state[mass].mean()
         scale[gas] = max(float(state[gas].mean()), 1e-12)
-        clearance = system.arrays.motion[:, CLEARANCE]
+        clearance = system.arrays.motion[:, col.CLEARANCE]
         scale[size.position : size.velocity] = clearance
         scale[size.velocity : size.column] = clearance * system.condition.shaft_speed
         scale[size.column : size.load] = (
@@ -184,7 +184,7 @@ class _PeriodicSearch:
         moved = np.concatenate(
             [
                 step[masses] / np.maximum(last[masses], 1e-30),
-                step[place] / system.arrays.motion[:, CLEARANCE],
+                step[place] / system.arrays.motion[:, col.CLEARANCE],
             ]
         )
         return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
@@ -261,5 +261,5 @@ def _difference(system: System, before: Array, after: Array) -> float:
     size = system.arrays.size
     positions = slice(size.position, size.velocity)
     moved = np.abs(after[:, positions] - before[:, positions])
-    allowed = _CYCLIC_POSITION * system.arrays.motion[:, CLEARANCE]
+    allowed = _CYCLIC_POSITION * system.arrays.motion[:, col.CLEARANCE]
     return max(pressures, float(np.max(moved / allowed, initial=0.0)))

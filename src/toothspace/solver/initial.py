@@ -6,19 +6,7 @@ import numpy as np
 
 from toothspace.closures.density import mixture_density
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    BUSH_X,
-    BUSH_Y,
-    CARRIER_X,
-    CARRIER_Y,
-    CHANNEL_MOTION,
-    CLEARANCE,
-    CONTACT_LOAD,
-    JOURNAL_CLEARANCE,
-    MOTION_X,
-    MOTION_Y,
-    VOLUME,
-)
+from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
 from toothspace.model.lateral_table import FORCE_SHARE, MOMENT_SHARE
 from toothspace.model.quasi_static import mean_force, quasi_static_pressures
@@ -56,7 +44,7 @@ def start_state(system: System) -> Array:
         d = int(arrays.dynamic_index[node])
         if d >= 0:
             density = float(mixture_density(pressure[node], gas, arrays.fluid))
-            state[size.mass + d] = density * arrays.node[node, VOLUME]
+            state[size.mass + d] = density * arrays.node[node, col.VOLUME]
             state[size.gas + d] = gas * state[size.mass + d]
     if size.load > size.film:
         evaluate_state(arrays, state)
@@ -72,18 +60,18 @@ def _place_bodies(system: System, state: Array) -> None:
         return
     force = mean_force(system.description, system.condition) @ system.motion_map
     for journal in system.arrays.journal:
-        if journal[CARRIER_X] >= 0.0:
-            force[int(journal[CARRIER_X])] += force[int(journal[MOTION_X])]
-            force[int(journal[CARRIER_Y])] += force[int(journal[MOTION_Y])]
+        if journal[col.CARRIER_X] >= 0.0:
+            force[int(journal[col.CARRIER_X])] += force[int(journal[col.MOTION_X])]
+            force[int(journal[col.CARRIER_Y])] += force[int(journal[col.MOTION_Y])]
     # what carries others stands last
     for journal in system.arrays.journal[::-1]:
-        kx, ky = int(journal[MOTION_X]), int(journal[MOTION_Y])
-        x, y = journal[BUSH_X], journal[BUSH_Y]
-        if journal[CARRIER_X] >= 0.0:
-            x += state[size.position + int(journal[CARRIER_X])]
-            y += state[size.position + int(journal[CARRIER_Y])]
+        kx, ky = int(journal[col.MOTION_X]), int(journal[col.MOTION_Y])
+        x, y = journal[col.BUSH_X], journal[col.BUSH_Y]
+        if journal[col.CARRIER_X] >= 0.0:
+            x += state[size.position + int(journal[col.CARRIER_X])]
+            y += state[size.position + int(journal[col.CARRIER_Y])]
         load = max(float(np.hypot(force[kx], force[ky])), 1e-12)
-        reach = _START_ECCENTRICITY * journal[JOURNAL_CLEARANCE]
+        reach = _START_ECCENTRICITY * journal[col.JOURNAL_CLEARANCE]
         state[size.position + kx] = x + reach * force[kx] / load
         state[size.position + ky] = y + reach * force[ky] / load
 
@@ -93,13 +81,13 @@ def _turn_into_contact(system: System, state: Array, pressure: Array) -> None:
     arrays, size = system.arrays, system.arrays.size
     if size.compliant == 0:
         return
-    values = arrays.chamber_values[:, CHANNEL_MOTION:]
+    values = arrays.chamber_values[:, col.CHANNEL_MOTION :]
     torque = pressure[: size.chambers] @ values
     for k, motion in enumerate(system.free_motions):
         if system.description.motions[motion].axis != "rotation":
             continue
         place = size.position + k
-        step = _SEARCH_STEP * arrays.motion[k, CLEARANCE]
+        step = _SEARCH_STEP * arrays.motion[k, col.CLEARANCE]
         low, high = _bracket(system, state, place, float(torque[k]), step)
         for _ in range(60):
             state[place] = 0.5 * (low + high)
@@ -131,4 +119,4 @@ def _contact_torque(system: System, state: Array, place: int) -> float:
     standing = state.copy()
     standing[1] = 0.0
     find_contacts(system.arrays, standing)
-    return float(system.arrays.motion[place - system.arrays.size.position, CONTACT_LOAD])
+    return float(system.arrays.motion[place - system.arrays.size.position, col.CONTACT_LOAD])

@@ -9,7 +9,7 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.arrays import DIRECTION
+from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.numerics.ndf_types import (
@@ -122,7 +122,7 @@ class March:
         contact = journal - self.system.arrays.size.journals
         size = self.system.arrays.size
         if contact == (size.compliant if size.compliant else min(size.contacts, 1)):
-            sticking = self.system.arrays.drive[DIRECTION] == 0.0
+            sticking = self.system.arrays.drive[col.DIRECTION] == 0.0
             return ("shaft_released" if sticking else "shaft_stopped"), "shaft"
         kind = "contact_lost" if direction < 0 else "contact_made"
         if self.system.arrays.size.compliant:

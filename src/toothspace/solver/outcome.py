@@ -11,24 +11,7 @@ from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.core.types import Array, BoolArray
-from toothspace.model.arrays import (
-    BUSH_X,
-    BUSH_Y,
-    CATEGORY,
-    CONTACT_ENERGY,
-    ELEMENT_A,
-    ELEMENT_B,
-    FREE,
-    GAS,
-    INERTIA,
-    JOURNAL_CLEARANCE,
-    MOTION_MASS,
-    MOTION_RATIO,
-    MOTION_X,
-    NODE_A,
-    NODE_B,
-    PRESSURE,
-)
+from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
@@ -143,8 +126,8 @@ def trapped_flows(history: History, seen: Observation) -> BoolArray:
     sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
     sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
     roles = np.array([category.role in _TRAPPED for category in system.categories])
-    inside = roles[system.arrays.path_index[:, CATEGORY]]
-    first = sealed[:, system.arrays.path_index[:, NODE_A]]
+    inside = roles[system.arrays.path_index[:, col.CATEGORY]]
+    first = sealed[:, system.arrays.path_index[:, col.NODE_A]]
     second = np.take_along_axis(sealed, seen.path_partner, axis=1)
     return np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
 
@@ -152,7 +135,7 @@ def trapped_flows(history: History, seen: Observation) -> BoolArray:
 def _trapped_losses(history: History, seen: Observation, trapped: BoolArray) -> dict[str, float]:
     """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
     power = np.trapezoid(np.where(trapped, seen.path_loss, 0.0), history.times, axis=0)
-    account = history.system.arrays.path_index[:, CATEGORY]
+    account = history.system.arrays.path_index[:, col.CATEGORY]
     return {
         category.account: float(power[account == k].sum())
         for k, category in enumerate(history.system.categories)
@@ -205,7 +188,7 @@ def _port_energy(system: System, port: str, change: Mapping[str, float]) -> floa
     gas = change[f"gas_{port}"]
     liquid = change[f"mass_{port}"] - gas
     fluid = system.arrays.fluid
-    of_liquid, of_gas = partial_enthalpies(node[PRESSURE], node[GAS], fluid)
+    of_liquid, of_gas = partial_enthalpies(node[col.PRESSURE], node[col.GAS], fluid)
     return float(liquid * of_liquid + gas * of_gas)
 
 
@@ -232,16 +215,16 @@ def stored_energy(system: System, state: Array) -> float:
 def kinetic_energy(system: System, state: Array) -> float:
     """Kinetic energy of bodies that move on their own, free shaft, load and fluid columns. [J]."""
     size, motion = system.arrays.size, system.arrays.motion
-    velocity = state[size.velocity : size.column] + motion[:, MOTION_RATIO] * state[1]
-    shaft = system.arrays.drive[FREE] * system.arrays.drive[INERTIA] * state[1] ** 2
-    bodies = 0.5 * (np.sum(motion[:, MOTION_MASS] * velocity**2) + shaft)
+    velocity = state[size.velocity : size.column] + motion[:, col.MOTION_RATIO] * state[1]
+    shaft = system.arrays.drive[col.FREE] * system.arrays.drive[col.INERTIA] * state[1] ** 2
+    bodies = 0.5 * (np.sum(motion[:, col.MOTION_MASS] * velocity**2) + shaft)
     return float(bodies + moving_energy_of(system.arrays, state))
 
 
 def elastic_energy(system: System, state: Array) -> float:
     """Energy stored in compliant contacts. [J]."""
     evaluate_state(system.arrays, state)
-    return float(np.sum(system.arrays.contact[:, CONTACT_ENERGY]))
+    return float(np.sum(system.arrays.contact[:, col.CONTACT_ENERGY]))
 
 
 def port_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -308,12 +291,12 @@ def _leaving(system: System, seen: Observation, node: int) -> Array:
     arrays = system.arrays
     flow = np.zeros(seen.path_flow.shape[0])
     for j, element in enumerate(arrays.elements):
-        flow += seen.element_flow[:, j] * (element[ELEMENT_A] == node)
-        flow -= seen.element_flow[:, j] * (element[ELEMENT_B] == node)
+        flow += seen.element_flow[:, j] * (element[col.ELEMENT_A] == node)
+        flow -= seen.element_flow[:, j] * (element[col.ELEMENT_B] == node)
     for j, index in enumerate(arrays.path_index):
-        if system.categories[index[CATEGORY]].role in ("circuit", "load"):
-            flow += seen.path_flow[:, j] * (index[NODE_A] == node)
-            flow -= seen.path_flow[:, j] * (index[NODE_B] == node)
+        if system.categories[index[col.CATEGORY]].role in ("circuit", "load"):
+            flow += seen.path_flow[:, j] * (index[col.NODE_A] == node)
+            flow -= seen.path_flow[:, j] * (index[col.NODE_B] == node)
     return flow
 
 
@@ -399,8 +382,8 @@ def _journal_values(
     heights = []
     seat = np.zeros((len(names), 3))
     for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=False):
-        b, clearance = names.index(body), journal[JOURNAL_CLEARANCE]
-        seat[b, :2] = journal[BUSH_X], journal[BUSH_Y]
+        b, clearance = names.index(body), journal[col.JOURNAL_CLEARANCE]
+        seat[b, :2] = journal[col.BUSH_X], journal[col.BUSH_Y]
         middle = seat[b, :2] if moving is None else moving[:, :2]
         eccentricity = np.hypot(*(position[:, b, :2] - middle).T)
         ratio[:, b] = eccentricity / clearance
@@ -412,7 +395,7 @@ def _journal_values(
 def journal_bodies(system: System) -> list[str]:
     """Bodies in journal bearings, in the order of the bearings."""
     free, motions = system.free_motions, system.description.motions
-    places = [int(row[MOTION_X]) for row in system.arrays.journal]
+    places = [int(row[col.MOTION_X]) for row in system.arrays.journal]
     return [motions[free[place]].body for place in places if place < len(free)]
 
 
@@ -448,7 +431,7 @@ def _leakage(system: System, seen: Observation, trapped: BoolArray) -> Array:
     ports = seen.pressure[:, [description.inlet_node, description.outlet_node]]
     low, span = ports.min(axis=1, keepdims=True), np.ptp(ports, axis=1, keepdims=True)
     height = np.clip((seen.pressure - low) / np.where(span > 0.0, span, np.inf), 0.0, 1.0)
-    fall = height[:, system.arrays.path_index[:, NODE_A]]
+    fall = height[:, system.arrays.path_index[:, col.NODE_A]]
     fall = fall - np.take_along_axis(height, seen.path_partner, axis=1)
     flow = np.where(trapped, 0.0, seen.path_flow)
     return _by_path(system, flow * fall / seen.density[:, [description.inlet_node]])
@@ -465,14 +448,14 @@ def _equivalent_leakage(system: System, seen: Observation) -> Array:
 def _drain_flow_rate(system: System, seen: Observation) -> Array:
     """Flow from the chambers to the drain. [m3/s]."""
     drains = np.array([category.role == "drain" for category in system.categories])
-    flow = seen.path_flow @ drains[system.arrays.path_index[:, CATEGORY]]
+    flow = seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]]
     return np.asarray(flow / seen.density[:, system.description.inlet_node])
 
 
 def _by_path(system: System, values: Array) -> Array:
     """Sum over all paths of the same kind, shape (samples, kinds)."""
     kinds = [system.categories.index(category) for category in leakage_categories(system)]
-    members = system.arrays.path_index[:, [CATEGORY]] == np.array(kinds)
+    members = system.arrays.path_index[:, [col.CATEGORY]] == np.array(kinds)
     return np.asarray(values @ members)
 
 

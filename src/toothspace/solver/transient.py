@@ -12,7 +12,7 @@ from toothspace.closures.set_valued_friction import STUCK, next_direction
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.arrays import BREAKAWAY, DIRECTION, DRIVING_TORQUE, FREE, HOLDING_TORQUE
+from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.results.events import Event
 from toothspace.solver.compiled_model import hold_shaft
@@ -151,8 +151,8 @@ class TransientMarch:
         state = march.state.y.copy()
         time = float(march.state.control[0]["valid_until"])
         drive = self.system.arrays.drive
-        if drive[DIRECTION] == STUCK:
-            drive[DIRECTION] = next_direction(0.0, drive[DRIVING_TORQUE], 0.0)
+        if drive[col.DIRECTION] == STUCK:
+            drive[col.DIRECTION] = next_direction(0.0, drive[col.DRIVING_TORQUE], 0.0)
         else:
             state[1] = 0.0
             settle(self.system, state, time)
@@ -162,15 +162,15 @@ class TransientMarch:
 def settle(system: System, state: Array, time: float) -> None:
     """Let the shaft stick if it is at rest and friction can hold it; else set its direction."""
     drive = system.arrays.drive
-    drive[DIRECTION] = np.sign(state[1])
-    if drive[FREE] == 0.0:
+    drive[col.DIRECTION] = np.sign(state[1])
+    if drive[col.FREE] == 0.0:
         speed = system.condition.speed_schedule
         if state[1] == 0.0 and len(speed):
             later = speed[speed[:, 0] > time, 1]
-            drive[DIRECTION] = np.sign(later[0]) if later.size else 0.0
+            drive[col.DIRECTION] = np.sign(later[0]) if later.size else 0.0
         return
     if state[1] != 0.0:
         return
     hold_shaft(system.arrays, state, time)
-    holding = drive[HOLDING_TORQUE] if drive[BREAKAWAY] > 0.0 else 0.0
-    drive[DIRECTION] = next_direction(0.0, drive[DRIVING_TORQUE], holding)
+    holding = drive[col.HOLDING_TORQUE] if drive[col.BREAKAWAY] > 0.0 else 0.0
+    drive[col.DIRECTION] = next_direction(0.0, drive[col.DRIVING_TORQUE], holding)

@@ -336,8 +336,8 @@ def follow(
     for k, (condition, key) in enumerate(zip(conditions, keys, strict=True)):
         share = k / len(conditions)
         tell(context.progress, share, condition.label)
-        told = part(context.progress, condition.label, share, share)
-        point = _kept_or_solved(context, key, partial(points.solve, condition, now, told))
+        own = part(context.progress, condition.label, share, share)
+        point = _kept_or_solved(context, key, partial(points.solve, condition, now, own))
         if point is None:
             break
         found.append(point)

@@ -264,8 +264,8 @@ def reduce_lateral_films(
     found: list[LateralReduction] = []
     for number, loaded in enumerate(conditions):
         done = (0.5 + 0.5 * (number + k) / count for k in (0, 1))
-        told = part(progress, f"loads, {number + 1} of {count}", *done)
-        found.append(reduce_lateral(loaded, plain, fluid, shares, told))
+        own = part(progress, f"loads, {number + 1} of {count}", *done)
+        found.append(reduce_lateral(loaded, plain, fluid, shares, own))
     return _lateral_tables(setup, grid, shares, found)
 
 

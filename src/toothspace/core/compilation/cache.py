@@ -30,7 +30,7 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 _PACKAGE = Path(__file__).resolve().parents[2]
-_IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import", re.MULTILINE)
+_IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 _DIGEST = hashlib.sha256().digest_size
 _SECONDS_KEPT = 60 * 24 * 3600.0
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, pickle.PickleError, AttributeError)
@@ -51,9 +51,12 @@ def _with_imports(found: set[str]) -> dict[str, str]:
     found = found & texts.keys()
     ahead = list(found)
     while ahead:
-        imported = set(_IMPORT.findall(texts[ahead.pop()])) & texts.keys()
-        ahead += imported - found
-        found |= imported
+        for place, names in _IMPORT.findall(texts[ahead.pop()]):
+            # a name may be that of a module of a package
+            imported = {place, *(f"{place}.{name}" for name in re.findall(r"\w+", names))}
+            imported &= texts.keys()
+            ahead += imported - found
+            found |= imported
     return {name: texts[name] for name in found}
 
 

@@ -131,7 +131,7 @@ class JournalBearing(JournalDefinition):
         motion = MotionState(place, np.array([*velocity, *tilt_rate], dtype=float))
         speed = SurfaceSpeed(shaft_speed, bush_speed)
         film = solve_motion(self, motion, speed, history=history)
-        refuse_deep_contact(film.film.gap.centre, self.surfaces, "bearing.eccentricity")
+        refuse_deep_contact(film.solved.film.gap.centre, self.surfaces, "bearing.eccentricity")
         return film
 
     def equilibrium(

@@ -154,8 +154,7 @@ def _newton(
 def _slope(film: JournalBearingSolution, directions: tuple[int, ...]) -> Array:
     """Derivatives of force and moment with the position, as exact as Newton's method needs them."""
     return load_derivatives(
-        film.film,
-        film.bearing.fluid,
+        film.solved,
         directions,
         speeds=(False,),
         relative_tolerance=_SLOPE_TOLERANCE,

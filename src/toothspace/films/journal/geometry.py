@@ -16,16 +16,11 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.closures.flow_factors import (
-    pressure_stress_factor,
-    shear_stress_correction,
-    shear_stress_factor,
-)
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import njit
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
-from toothspace.films.reynolds.rough_surfaces import FlowLaw
+from toothspace.films.reynolds.rough_surfaces import FlowLaw, pressure_stress, stress_factors
 
 
 @final
@@ -263,47 +258,6 @@ def journal_load(mesh: JournalMesh, pressure: Array, area: Array) -> Array:
     return out
 
 
-@inlined
-def _stress_factors(gap: float, law: FlowLaw) -> tuple[float, float]:
-    """Sliding stress over viscosity and speed: mean, and difference of the two walls. [1/m]."""
-    if law.roughness == 0.0:
-        return 1.0 / gap, 0.0
-    ratio = gap / law.roughness
-    moving, resting = law.moving, law.resting
-    share = law.moving_share
-    pattern = share * shear_stress_correction(ratio, moving.stress_correction, moving.weight)
-    pattern -= (1.0 - share) * shear_stress_correction(
-        ratio, resting.stress_correction, resting.weight
-    )
-    return shear_stress_factor(ratio) / law.roughness, pattern / max(gap, 1e-3 * law.roughness)
-
-
-@inlined
-def _pressure_stress(gap: float, law: FlowLaw) -> float:
-    """Half the gap times the pressure stress factor. [m]."""
-    if law.roughness == 0.0:
-        return 0.5 * gap
-    columns = law.along
-    factor = pressure_stress_factor(gap / law.roughness, columns.pressure_stress, columns.weight)
-    return 0.5 * max(gap, 0.0) * factor
-
-
-@njit
-def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
-    """Parts of the shear stress on both walls of every cell: sliding, pattern, pressure.
-
-    The moving wall is braked by viscosity times speed times the first less the second [1/m] plus
-    the third times the pressure gradient along the motion [m]; the resting one is dragged along by
-    the sum of the first two less the third.
-    """
-    mean, difference, half = np.empty_like(gap), np.empty_like(gap), np.empty_like(gap)
-    for i in range(gap.shape[0]):
-        for j in range(gap.shape[1]):
-            mean[i, j], difference[i, j] = _stress_factors(gap[i, j], law)
-            half[i, j] = _pressure_stress(gap[i, j], law)
-    return mean, difference, half
-
-
 @njit
 def journal_shear(
     gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh, law: FlowLaw
@@ -323,8 +277,8 @@ def journal_shear(
             if smooth:
                 mean, difference, half = 1.0 / gap.centre[i, j], 0.0, 0.5 * gap.face_x[i, j]
             else:
-                mean, difference = _stress_factors(gap.centre[i, j], law)
-                half = _pressure_stress(gap.face_x[i, j], law)
+                mean, difference = stress_factors(gap.centre[i, j], law)
+                half = pressure_stress(gap.face_x[i, j], law)
             sliding += sheared[i, j] * mesh.angle_step * width * mean
             pattern += sheared[i, j] * mesh.angle_step * width * difference
             drop = pressure[i, j] - pressure[west, j]

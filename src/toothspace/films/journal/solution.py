@@ -20,10 +20,7 @@ from toothspace.films.journal.solver import (
     friction_torques,
     solve_field,
 )
-from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.linearised import pressure_responses
-from toothspace.films.reynolds.rough_surfaces import mean_gap
-from toothspace.films.reynolds.state import FilmHistory, exchange
+from toothspace.films.reynolds.state import FilmHistory
 from toothspace.numerics.linear_system import PRESCRIBED, TIGHT
 
 
@@ -58,7 +55,7 @@ class JournalBearingSolution:
     """Sum of the absolute cell residuals over the through-flow. [-]"""
     status: Status
     """Whether the cavity boundary settled."""
-    film: JournalField = field(repr=False)
+    solved: JournalField = field(repr=False)
 
     @property
     def eccentricity(self) -> Array:
@@ -126,55 +123,53 @@ class JournalBearingSolution:
     @property
     def dissipated_power(self) -> float:
         """Power that becomes heat: of friction, approach, and supply pressure. [W]."""
-        film = self.film
-        given = film.mesh.weight * exchange(film.grid, film.balance, film.fields).power
         approach = self.force @ self.motion.speed[:2] + self.moment @ self.motion.speed[2:]
-        return self.power_loss + given - float(approach)
+        return self.power_loss + self.solved.exchange.power - float(approach)
 
     @property
     def max_pressure(self) -> float:
         """Highest absolute pressure. [Pa]."""
-        return float(self.film.gauge.max()) + self.bearing.cavitation_pressure
+        return float(self.solved.pressure.max())
 
     @property
     def min_gap_height(self) -> float:
         """Smallest gap height. [m]."""
-        return float(min(self.film.gap.centre.min(), self.film.gap.face_y.min()))
+        gap = self.solved.film.gap
+        return float(min(gap.centre.min(), gap.face_y.min()))
 
     @property
     def cavitated_fraction(self) -> float:
         """Part of the film area at cavitation pressure with a film fraction below one. [-]."""
-        film = self.film
-        empty = np.where(
-            (film.balance.mark != PRESCRIBED) & (film.fields.potential <= 0.0), film.grid.area, 0.0
-        )
-        return float(empty.sum() / film.grid.area.sum())
+        found, area = self.solved, self.solved.film.grid.area
+        empty = (found.balance.mark != PRESCRIBED) & (found.fields.potential <= 0.0)
+        return float(np.where(empty, area, 0.0).sum() / area.sum())
 
     @property
     def pressure(self) -> Array:
         """Absolute pressure over angle and axis, whole film. [Pa]."""
-        return self._whole(self.film.gauge) + self.bearing.cavitation_pressure
+        return self._whole(self.solved.pressure)
 
     @property
     def film_fraction(self) -> Array:
         """Film fraction over angle and axis, whole film. [-]."""
-        return self._whole(self.film.fields.saturation)
+        return self._whole(self.solved.fields.saturation)
 
     @property
     def gap_height(self) -> Array:
         """Gap height over angle and axis, whole film. [m]."""
-        return self._whole(self.film.gap.centre)
+        return self._whole(self.solved.film.gap.centre)
 
     @property
     def contact_pressure(self) -> Array:
         """Asperity pressure over angle and axis, whole film. [Pa]."""
-        contact = self.film.contact
-        return self._whole(np.zeros_like(self.film.gauge) if contact is None else contact.pressure)
+        contact = self.solved.contact
+        none = np.zeros_like(self.solved.gauge)
+        return self._whole(none if contact is None else contact.pressure)
 
     @property
     def angle(self) -> Array:
         """Angles of the cell centres. [rad]."""
-        return self.film.mesh.angle
+        return self.solved.mesh.angle
 
     @property
     def axial_position(self) -> Array:
@@ -194,13 +189,11 @@ class JournalBearingSolution:
 
     @cached_property
     def _derivatives(self) -> Array:
-        return load_derivatives(self.film, self.bearing.fluid, (0, 1))
+        return load_derivatives(self.solved, (0, 1))
 
     def history(self, time_step: float) -> FilmHistory:
         """What the film holds, as the past of a film one time step later. [s]."""
-        film = self.film
-        held = film.fields.saturation * film.fluid.density
-        return FilmHistory(held * mean_gap(film.gap.centre, film.law), time_step)
+        return self.solved.history(time_step)
 
     def coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping 4x4 for x, y and rotations about x and y.
@@ -208,13 +201,13 @@ class JournalBearingSolution:
         Units follow force [N] and moment [N m] over displacement [m] and rotation [rad].
         """
         whole = self
-        if self.film.mesh.weight > 1.0:
+        if self.solved.mesh.weight > 1.0:
             whole = solve_motion(self.bearing, self.motion, self.speed, half=False)
-        derivatives = load_derivatives(whole.film, self.bearing.fluid, (0, 1, 2, 3))
+        derivatives = load_derivatives(whole.solved, (0, 1, 2, 3))
         return -derivatives[:, :4], -derivatives[:, 4:]
 
     def _whole(self, values: Array) -> Array:
-        if self.film.mesh.weight == 1.0:
+        if self.solved.mesh.weight == 1.0:
             return values.copy()
         mirrored = values[:, ::-1]
         if self.bearing.grid[1] % 2:
@@ -223,8 +216,7 @@ class JournalBearingSolution:
 
 
 def load_derivatives(
-    film: JournalField,
-    fluid: FilmFluid,
+    field: JournalField,
     directions: tuple[int, ...],
     *,
     speeds: tuple[bool, ...] = (False, True),
@@ -235,35 +227,19 @@ def load_derivatives(
     Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
     per position and then one per speed. [N or N m over m, rad, m/s, rad/s]
     """
-    changes = [
-        journal_gap(film.mesh, 0.0, _unit_motion(k, of_speed))
+    still, units = np.zeros(4), np.eye(4)[list(directions)]
+    motions = [
+        MotionState(still, unit) if of_speed else MotionState(unit, still)
         for of_speed in speeds
-        for k in directions
+        for unit in units
     ]
-    carrier = fluid.carrier(film.fluid.density)
-    responses = pressure_responses(
-        film.grid,
-        film.gap,
-        carrier,
-        film.law,
-        film.balance,
-        film.fields,
-        changes,
-        relative_tolerance=relative_tolerance,
-    )
-    # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
-    stretch = carrier.fluidity / film.fluid.fluidity
+    changes = [journal_gap(field.mesh, 0.0, motion) for motion in motions]
+    responses = field.responses(changes, relative_tolerance)
     columns = []
     for response, change in zip(responses, changes, strict=True):
-        touch = 0.0 if film.contact is None else film.contact.slope * change.centre
-        columns.append(journal_load(film.mesh, stretch * response + touch, film.grid.area))
+        touch = 0.0 if field.contact is None else field.contact.slope * change.centre
+        columns.append(journal_load(field.mesh, response + touch, field.film.grid.area))
     return np.array(columns).T
-
-
-def _unit_motion(direction: int, speeds: bool) -> MotionState:
-    unit = np.zeros(4)
-    unit[direction] = 1.0
-    return MotionState(np.zeros(4), unit) if speeds else MotionState(unit, np.zeros(4))
 
 
 def solve_motion(
@@ -280,14 +256,14 @@ def solve_motion(
     A former solution nearby gives the cavity to begin with. With a history the film fraction is
     transported in time, else it follows the motion without delay.
     """
-    start = None if former is None else former.film.fields.kind
-    film = solve_field(bearing, motion, speed, half=half, start=start, history=history)
-    carried = film.gauge if film.contact is None else film.gauge + film.contact.pressure
-    load = journal_load(film.mesh, carried, film.grid.area)
-    shaft, bush = friction_torques(bearing, speed, film)
-    contact_force, contact_torque = contact_load(bearing, speed, film)
+    start = None if former is None else former.solved.fields.kind
+    field = solve_field(bearing, motion, speed, half=half, start=start, history=history)
+    carried = field.gauge if field.contact is None else field.gauge + field.contact.pressure
+    load = journal_load(field.mesh, carried, field.film.grid.area)
+    shaft, bush = friction_torques(bearing, speed, field)
+    contact_force, contact_torque = contact_load(bearing, speed, field)
     shaft, bush = shaft - contact_torque, bush + contact_torque
-    supply, ends, error = boundary_flows(film)
+    supply, ends, error = boundary_flows(field)
     return JournalBearingSolution(
         bearing=bearing,
         motion=motion,
@@ -301,6 +277,6 @@ def solve_motion(
         end_flow=ends,
         supply_flow=supply,
         mass_balance_error=error,
-        status=film.status,
-        film=film,
+        status=field.status,
+        solved=field,
     )

@@ -27,15 +27,7 @@ from toothspace.films.journal.geometry import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
-from toothspace.films.reynolds.state import (
-    FilmHistory,
-    FilmProblem,
-    FilmState,
-    memory,
-    relative_error,
-    solve_state,
-)
-from toothspace.numerics.complementarity import face_flows, residual
+from toothspace.films.reynolds.state import FilmHistory, FilmProblem, FilmState, solve_state
 from toothspace.numerics.linear_system import PRESCRIBED
 
 
@@ -54,9 +46,6 @@ class JournalField(FilmState):
     """Discrete film and its solution, kept for variations."""
 
     mesh: JournalMesh
-    grid: FilmGrid
-    gap: GapField
-    law: FlowLaw
     contact: JournalContact | None
 
 
@@ -127,11 +116,16 @@ def solve_field(
     law, contact = _walls(bearing, speed, gap)
     if contact is None:
         _refuse_contact(gap, motion, bearing)
-    problem = FilmProblem(
-        grid, gap, bearing.fluid, bearing.cavitation_pressure, CAVITATION[bearing.cavitation], law
+    film = FilmProblem(
+        grid,
+        gap,
+        bearing.fluid,
+        bearing.cavitation_pressure,
+        CAVITATION[bearing.cavitation],
+        law,
+        mesh.weight,
     )
-    state = solve_state(problem, start, memory(problem, history))
-    return JournalField(**vars(state), mesh=mesh, grid=grid, gap=gap, law=law, contact=contact)
+    return JournalField(**vars(solve_state(film, start, history)), mesh=mesh, contact=contact)
 
 
 def _walls(
@@ -158,37 +152,35 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefiniti
 
 
 def contact_load(
-    bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
+    bearing: JournalDefinition, speed: SurfaceSpeed, field: JournalField
 ) -> tuple[Array, float]:
     """Force on the shaft by asperities [N], and the torque by which they brake it [N m]."""
-    if film.contact is None or bearing.surfaces is None:
+    if field.contact is None or bearing.surfaces is None:
         return np.zeros(2), 0.0
-    force = journal_load(film.mesh, film.contact.pressure, film.grid.area)[:2]
-    normal = film.mesh.weight * float((film.contact.pressure * film.grid.area).sum())
+    force = journal_load(field.mesh, field.contact.pressure, field.film.grid.area)[:2]
+    normal = field.mesh.weight * float((field.contact.pressure * field.film.grid.area).sum())
     sense = float(np.sign(speed.shaft - speed.bush))
     return force, sense * bearing.surfaces.boundary_friction * normal * 0.5 * bearing.diameter
 
 
 def friction_torques(
-    bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
+    bearing: JournalDefinition, speed: SurfaceSpeed, field: JournalField
 ) -> tuple[float, float]:
     """Torques on shaft and bush [N m]; a cavity shears in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
-    thickness = 1.0 / (bearing.dynamic_viscosity * film.fluid.fluidity)
-    couette, pattern, pressure = film.mesh.weight * journal_shear(
-        film.gap, film.gauge, film.fields.saturation * thickness, film.mesh, film.law
+    thickness = 1.0 / (bearing.dynamic_viscosity * field.fluid.fluidity)
+    couette, pattern, pressure = field.mesh.weight * journal_shear(
+        field.film.gap, field.gauge, field.fields.saturation * thickness, field.mesh, field.film.law
     )
     scale = bearing.dynamic_viscosity * (speed.shaft - speed.bush) * radius**3
     shaft = -scale * (couette - pattern) - radius * pressure
     return shaft, scale * (couette + pattern) - radius * pressure
 
 
-def boundary_flows(film: JournalField) -> tuple[float, Array, float]:
+def boundary_flows(field: JournalField) -> tuple[float, Array, float]:
     """Supply by prescribed cells, flow out of the two ends [m3/s], error of the balance [-]."""
-    weight, b = film.mesh.weight, film.balance
-    potential, saturation = np.maximum(film.fields.potential, 0.0), film.fields.saturation
-    _, flow_y = face_flows(b, b, potential, saturation)
-    net = residual(b, b, potential, saturation)
+    weight, b = field.mesh.weight, field.balance
+    net, (_, flow_y) = field.residuals, field.flows
     prescribed = b.mark == PRESCRIBED
     supply = weight * float(net[prescribed].sum())
     north = float(flow_y[:, -1].sum())
@@ -197,5 +189,5 @@ def boundary_flows(film: JournalField) -> tuple[float, Array, float]:
         abs(supply), abs(north), abs(south), float(np.abs(b.advection_x).sum(axis=1).max())
     )
     through = max(through, float(np.abs(b.storage - b.source).sum()))
-    error = relative_error(weight * float(net[~prescribed].sum()), through, b, potential)
+    error = field.relative_error(weight * float(net[~prescribed].sum()), through)
     return supply, np.array([south, north]), error

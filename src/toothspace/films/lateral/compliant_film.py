@@ -24,7 +24,11 @@ from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
 from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.linearised import solved_responses
 from toothspace.numerics.block_elimination import block_system
-from toothspace.numerics.complementarity import ComplementaritySolution, exchange_kinds
+from toothspace.numerics.complementarity import (
+    ComplementaritySolution,
+    exchange_kinds,
+    neighbour_terms,
+)
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
@@ -92,17 +96,6 @@ class CompliantSolution:
     frequency: float = 0.0
 
 
-@inlined
-def _neighbour(conductance: float, outflow: float, kind: int, known: float) -> tuple[float, float]:
-    """Coefficient of a neighbour, and what a prescribed or a full one delivers."""
-    entering = max(-outflow, 0.0)
-    if kind == 0:
-        return -conductance, entering
-    if kind == 1:
-        return -entering, 0.0
-    return 0.0, conductance * known + entering
-
-
 @kernel
 def _assemble(
     film: Linearised,
@@ -141,17 +134,12 @@ def _assemble(
             xn = unknown[r + 1] if j < lanes - 1 else b.north[i]
             here = 0.0 if own == 1 else unknown[r]
             full = unknown[r] if own == 1 else 1.0
-            west, gain = _neighbour(gx[i, j], -cx[i, j], kw, b.prescribed[w, j])
-            supply = b.source[i, j] + gain
-            east, gain = _neighbour(gx[i + 1, j], cx[i + 1, j], ke, b.prescribed[e, j])
-            supply += gain
             below = b.prescribed[i, j - 1] if j > 0 else b.south[i]
-            south, gain = _neighbour(gy[i, j], 0.0, ks, below)
-            supply += gain
             above = b.prescribed[i, j + 1] if j < lanes - 1 else b.north[i]
-            north, gain = _neighbour(gy[i, j + 1], 0.0, kn, above)
-            supply += gain
-            leaving = b.storage[i, j] + max(-cx[i, j], 0.0) + max(cx[i + 1, j], 0.0)
+            known = b.prescribed[w, j], below, above, b.prescribed[e, j]
+            sides, gains, leaving = neighbour_terms(b, (i, j), (kw, ks, kn, ke), known)
+            west, south, north, east = sides
+            supply = b.source[i, j] + gains[0] + gains[3] + gains[1] + gains[2]
             if own == 0:
                 leaving, supply = size, supply - leaving
             elif leaving <= 0.0:

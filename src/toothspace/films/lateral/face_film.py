@@ -9,7 +9,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral.compliant_film import (
@@ -24,7 +24,6 @@ from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
     NO_CONTACT,
     SMOOTH,
@@ -197,22 +196,12 @@ class FaceFilm:
 
         [Pa per unit] The residual is no smaller than ``accuracy`` of the right-hand side.
         """
-        plane, fluid = self.plane, self.law.fluid
         accuracy = max(accuracy, self.law.accuracy.linear)
         if self.solution.found is not None:
             responses = compliant_responses(self.solution, changes, accuracy)
         else:
-            responses = pressure_responses(
-                plane.film.grid,
-                plane.film.gap,
-                fluid.carrier(plane.fluid.density),
-                plane.film.law,
-                plane.balance,
-                plane.fields,
-                changes,
-                relative_tolerance=accuracy,
-            )
-        stretch = fluid.stretch(plane.pressure)
+            responses = self.plane.reduced_responses(changes, accuracy)
+        stretch = self.law.fluid.stretch(self.plane.pressure)
         # change of the asperity pressure with an opening of the undeformed gap [Pa/m]
         touch = self.solution.contact_slope * self.solution.gap_slope
         found = []
@@ -309,7 +298,7 @@ def solve_face(
 
     Parameters
     ----------
-    grid, law, around
+    grid, law, boundary
         Where, of what and between which boundaries.
     face_motion : FaceMotion
         Lift and rotations of the upper face about the own axis, and their rates.
@@ -321,11 +310,11 @@ def solve_face(
     film = PlaneFilm(
         _film_grid(grid, law, boundary, former),
         _gap_field(grid, face_motion, deformation),
-        grid.points,
         law.fluid,
         law.cavitation_pressure,
         CAVITATION[law.cavitation],
-        law=law.law,
+        law.law,
+        points=grid.points,
     )
     density = law.fluid.density(np.full(deformation.distant.shape, law.cavitation_pressure))
     carrier = law.fluid.carrier(density)
@@ -376,12 +365,6 @@ def _stiff(
     return CompliantSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
 
 
-@inlined
-def _height(motion: Array, x: float, y: float) -> float:
-    """Height of a plane with a lift and rotations about x and y. [m]."""
-    return float(motion[0] + motion[1] * y - motion[2] * x)
-
-
 @njit(nogil=True)
 def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> float:
     most = 0.0
@@ -412,9 +395,9 @@ def _gap_field(grid: FaceGrid, face_motion: FaceMotion, deformation: FaceDeforma
 
 @njit(nogil=True)
 def _plane(x: Array, y: Array, motion: Array) -> Array:
-    """Heights of a plane at given places. [m]."""
+    """Heights of a plane with a lift and rotations about x and y. [m]."""
     out = np.empty(x.shape)
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
-            out[i, j] = _height(motion, x[i, j], y[i, j])
+            out[i, j] = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
     return out

@@ -139,4 +139,3 @@ def _followed(now: _Point) -> Fields:
 def _size(stack: Stack, force: Array) -> float:
     """Largest force, moments as forces at the rim. [N]."""
     return float(np.abs(force / stack.arms)[stack.free].max())
-    return float(np.abs(force / stack.arms)[stack.free].max())

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
@@ -13,26 +11,8 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
-from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.linearised import pressure_responses
-from toothspace.films.reynolds.rough_surfaces import (
-    SMOOTH,
-    FlowLaw,
-    RoughSurfaces,
-    contact_field,
-    mean_gap,
-)
-from toothspace.films.reynolds.state import (
-    Exchange,
-    FilmHistory,
-    FilmProblem,
-    FilmState,
-    exchange,
-    memory,
-    relative_error,
-    solve_state,
-)
-from toothspace.numerics.complementarity import Constraint, face_flows, residual
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
+from toothspace.films.reynolds.state import FilmHistory, FilmProblem, FilmState, solve_state
 from toothspace.numerics.linear_system import PRESCRIBED
 
 
@@ -78,21 +58,11 @@ def polar_grid(rows: int, rim: Array) -> FilmGrid:
 
 
 @final
-@dataclass(frozen=True)
-class PlaneFilm:
-    """Discrete film between two faces; force axis z.
+@dataclass(frozen=True, kw_only=True)
+class PlaneFilm(FilmProblem):
+    """Discrete film between two faces; force axis z, mirror plane y = 0."""
 
-    ``weight`` is 2 if the film is half of a mirrored one (mirror plane y = 0), else 1.
-    """
-
-    grid: FilmGrid
-    gap: GapField
     points: PlanePoints
-    fluid: FilmFluid
-    cavitation_pressure: float
-    constraint: Constraint
-    weight: float = 1.0
-    law: FlowLaw = SMOOTH
 
 
 @final
@@ -101,25 +71,6 @@ class PlaneSolution(FilmState):
     """Fields of a plane film and the state that they were found with."""
 
     film: PlaneFilm
-
-    @property
-    def pressure(self) -> Array:
-        """Absolute pressure of the cells. [Pa]."""
-        return self.gauge + self.film.cavitation_pressure
-
-    def responses(self, changes: Sequence[GapField]) -> list[Array]:
-        """Change of the pressure with each change of the gap; the density is held. [Pa per unit].
-
-        As :func:`~toothspace.films.reynolds.linearised.pressure_responses`.
-        """
-        film, density = self.film, self.fluid.density
-        carrier = film.fluid.carrier(density)
-        found = pressure_responses(
-            film.grid, film.gap, carrier, film.law, self.balance, self.fields, changes
-        )
-        # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
-        stretch = carrier.fluidity / self.fluid.fluidity
-        return [stretch * response for response in found]
 
     def load(self, pressure: Array) -> Array:
         """Force along z and moments about x and y of a pressure on the upper face.
@@ -131,28 +82,9 @@ class PlaneSolution(FilmState):
         moment_x = 0.0 if film.weight > 1.0 else float((push * film.points.y).sum())
         return np.array([float(push.sum()), moment_x, -float((push * film.points.x).sum())])
 
-    @cached_property
-    def flows(self) -> tuple[Array, Array]:
-        """Flows through the faces of the solved part along both indices. [m3/s]."""
-        b, fields = self.balance, self.fields
-        return face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
-
-    @cached_property
-    def exchange(self) -> Exchange:
-        """Flow out of the whole film, and power of the given pressures. [m3/s, W]."""
-        found = exchange(self.film.grid, self.balance, self.fields)
-        return Exchange(self.film.weight * found.outflow, self.film.weight * found.power)
-
-    def history(self, time_step: float) -> FilmHistory:
-        """What the film holds, as the past of a film one time step later. [s]."""
-        film = self.film
-        height = mean_gap(film.gap.centre, film.law) + film.gap.step
-        return FilmHistory(self.fields.saturation * self.fluid.density * height, time_step)
-
     def mass_balance_error(self) -> float:
         """Sum of the residuals of free cells over the through-flow. [-]."""
-        b = self.balance
-        net = residual(b, b, np.maximum(self.fields.potential, 0.0), self.fields.saturation)
+        b, net = self.balance, self.residuals
         free = b.mark != PRESCRIBED
         through = max(
             float(np.abs(net[~free]).sum()),
@@ -161,7 +93,7 @@ class PlaneSolution(FilmState):
             float(np.abs(b.advection_y).sum(axis=0).max()),
             self._edge_flow(),
         )
-        return relative_error(float(net[free].sum()), through, b, self.fields.potential)
+        return self.relative_error(float(net[free].sum()), through)
 
     def _edge_flow(self) -> float:
         b, u = self.balance, self.fields.potential
@@ -280,11 +212,7 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
     if lowest <= 0.0 and film.law.roughness == 0.0:
         raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
-    problem = FilmProblem(
-        film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
-    )
-    state = solve_state(problem, history=memory(problem, history))
-    return PlaneSolution(**vars(state), film=film)
+    return PlaneSolution(**vars(solve_state(film, history=history)))
 
 
 def rigid_change(points: PlanePoints, motion: int, rate: bool) -> GapField:

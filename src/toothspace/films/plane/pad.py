@@ -12,7 +12,6 @@ import numpy as np
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.journal.geometry import wall_stress
 from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
@@ -23,7 +22,7 @@ from toothspace.films.plane.film import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, wall_stress
 from toothspace.films.reynolds.state import FilmHistory
 
 GapFunction = Callable[[Array, Array], Array]
@@ -154,9 +153,8 @@ class Pad:
         weight = 2.0 if half else 1.0
         constraint = CAVITATION[self.cavitation]
         law = SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0)
-        return PlaneFilm(
-            grid, gap, points, self.fluid, self.cavitation_pressure, constraint, weight, law
-        )
+        problem = grid, gap, self.fluid, self.cavitation_pressure, constraint, law
+        return PlaneFilm(*problem, points=points, weight=weight)
 
     def _lines(self, half: bool) -> tuple[Array, Array, Array, Array]:
         """Centres and faces along x and y; an odd middle lane is cut in half."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.journal.geometry import wall_stress
 from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
@@ -22,7 +21,12 @@ from toothspace.films.plane.film import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, refuse_deep_contact
+from toothspace.films.reynolds.rough_surfaces import (
+    SMOOTH,
+    RoughSurfaces,
+    refuse_deep_contact,
+    wall_stress,
+)
 from toothspace.films.reynolds.state import FilmHistory
 from toothspace.numerics.linear_system import PRESCRIBED
 
@@ -151,11 +155,11 @@ class LateralFilm:
         return PlaneFilm(
             self._metric(rim, shaft_speed),
             gap,
-            polar_points(angle, face_angle, radius, rim),
             self.fluid,
             self.cavitation_pressure,
             CAVITATION[self.cavitation],
-            law=SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+            SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+            points=polar_points(angle, face_angle, radius, rim),
         )
 
     def _rims(self) -> Array:

@@ -20,12 +20,7 @@ import numpy as np
 from toothspace.closures.flow_factors import PatternColumns
 from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.types import Array, IntArray
-from toothspace.films.reynolds.equation import (
-    FilmGrid,
-    FluidField,
-    GapField,
-    balance_on_grid,
-)
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, balance_on_grid
 from toothspace.films.reynolds.rough_surfaces import (
     FlowLaw,
     carried_law,

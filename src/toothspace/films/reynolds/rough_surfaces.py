@@ -1,4 +1,4 @@
-"""Rough walls of a film: average flow, asperity contact and boundary friction."""
+"""Rough walls of a film: average flow, shear stress, asperity contact, boundary friction."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ from toothspace.closures.flow_factors import (
     contact_factor_slope,
     pattern_columns,
     pressure_flow_factor,
+    pressure_stress_factor,
     shear_flow_factor,
+    shear_stress_correction,
+    shear_stress_factor,
 )
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.errors import CaseError
@@ -137,6 +140,47 @@ def squeeze_law(gap: float, law: FlowLaw) -> tuple[float, float]:
         return 1.0, 0.0
     ratio = gap / law.roughness
     return contact_factor(ratio), contact_factor_slope(ratio) / law.roughness
+
+
+@inlined
+def stress_factors(gap: float, law: FlowLaw) -> tuple[float, float]:
+    """Sliding stress over viscosity and speed: mean, and difference of the two walls. [1/m]."""
+    if law.roughness == 0.0:
+        return 1.0 / gap, 0.0
+    ratio = gap / law.roughness
+    moving, resting = law.moving, law.resting
+    share = law.moving_share
+    pattern = share * shear_stress_correction(ratio, moving.stress_correction, moving.weight)
+    pattern -= (1.0 - share) * shear_stress_correction(
+        ratio, resting.stress_correction, resting.weight
+    )
+    return shear_stress_factor(ratio) / law.roughness, pattern / max(gap, 1e-3 * law.roughness)
+
+
+@inlined
+def pressure_stress(gap: float, law: FlowLaw) -> float:
+    """Half the gap times the pressure stress factor. [m]."""
+    if law.roughness == 0.0:
+        return 0.5 * gap
+    columns = law.along
+    factor = pressure_stress_factor(gap / law.roughness, columns.pressure_stress, columns.weight)
+    return 0.5 * max(gap, 0.0) * factor
+
+
+@njit
+def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
+    """Parts of the shear stress on both walls of every cell: sliding, pattern, pressure.
+
+    The moving wall is braked by viscosity times speed times the first less the second [1/m] plus
+    the third times the pressure gradient along the motion [m]; the resting one is dragged along by
+    the sum of the first two less the third.
+    """
+    mean, difference, half = np.empty_like(gap), np.empty_like(gap), np.empty_like(gap)
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            mean[i, j], difference[i, j] = stress_factors(gap[i, j], law)
+            half[i, j] = pressure_stress(gap[i, j], law)
+    return mean, difference, half
 
 
 @inlined

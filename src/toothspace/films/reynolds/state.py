@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
@@ -11,17 +12,26 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
+from toothspace.films.reynolds.equation import (
+    FilmGrid,
+    FluidField,
+    GapField,
+    balance_derivative,
+    balance_variation,
+    film_balance,
+)
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import FlowLaw, mean_gap
+from toothspace.films.reynolds.linearised import solved_responses
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, mean_gap
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
     face_flows,
+    residual,
     solve_complementarity,
 )
-from toothspace.numerics.linear_system import PRESCRIBED
+from toothspace.numerics.linear_system import PRESCRIBED, TIGHT
 from toothspace.numerics.structured_grid import CellBalance
 
 FLUID_PASSES = 120
@@ -51,7 +61,8 @@ class FilmHistory:
     """Time that has passed since. [s]"""
 
 
-class FilmProblem(NamedTuple):
+@dataclass(frozen=True)
+class FilmProblem:
     """What is solved: grid, gap, liquid, walls and cavitation."""
 
     grid: FilmGrid
@@ -59,7 +70,17 @@ class FilmProblem(NamedTuple):
     fluid: FilmFluid
     cavitation_pressure: float  # [Pa]
     constraint: Constraint
-    law: FlowLaw
+    law: FlowLaw = SMOOTH
+    weight: float = 1.0  # 2 if the film is half of a mirrored one [-]
+
+
+class Exchange(NamedTuple):
+    """What a film exchanges with its edges and cells of given pressure."""
+
+    outflow: float
+    """Flow out of the film, wherever it leaves. [m3/s]"""
+    power: float
+    """Power that the pressures of what flows in and out bring into the film. [W]"""
 
 
 @dataclass(frozen=True)
@@ -76,12 +97,100 @@ class FilmState:
     """Its solution."""
     status: Status
     """Whether there is a solution and the iterations settled."""
+    film: FilmProblem = field(repr=False)
+    """What was solved."""
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure of the cells. [Pa]."""
+        return self.gauge + self.film.cavitation_pressure
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        film = self.film
+        height = mean_gap(film.gap.centre, film.law) + film.gap.step
+        return FilmHistory(self.fields.saturation * self.fluid.density * height, time_step)
+
+    def responses(
+        self, changes: Sequence[GapField], relative_tolerance: float = TIGHT
+    ) -> list[Array]:
+        """Change of the pressure with each change of the gap; the density is held. [Pa per unit].
+
+        As :meth:`reduced_responses`.
+        """
+        # the pressure follows the reduced one with the viscosity ratio
+        stretch = self._carrier.fluidity / self.fluid.fluidity
+        return [stretch * found for found in self.reduced_responses(changes, relative_tolerance)]
+
+    def reduced_responses(
+        self, changes: Sequence[GapField], relative_tolerance: float = TIGHT
+    ) -> list[Array]:
+        """Change of the reduced pressure with each change of the gap, cavity boundary exact.
+
+        [Pa per unit]
+
+        Parameters
+        ----------
+        changes : sequence of GapField
+            Changes of gap and rate per unit of a motion, ``step`` unused. [m and m/s per unit]
+        relative_tolerance : float
+            Residual of the linear solution over its right-hand side. [-]
+        """
+        now = self.film.grid, self.film.gap, self._carrier
+        slope = balance_derivative(*now, self.balance, self.film.law)
+        varied = (balance_variation(*now, change, slope, self.film.law) for change in changes)
+        u, s = self.fields.potential, self.fields.saturation
+        flows = [residual(self.balance, change, u, s) for change in varied]
+        return solved_responses(self.fields, flows, relative_tolerance)
+
+    @property
+    def _carrier(self) -> FluidField:
+        return self.film.fluid.carrier(self.fluid.density)
+
+    @cached_property
+    def flows(self) -> tuple[Array, Array]:
+        """Flows through the faces of the solved part along both indices. [m3/s]."""
+        b, fields = self.balance, self.fields
+        return face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
+
+    @property
+    def residuals(self) -> Array:
+        """Flow out of every cell of the solved part less its source. [m3/s]."""
+        b, fields = self.balance, self.fields
+        return residual(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
+
+    @cached_property
+    def exchange(self) -> Exchange:
+        """Flow out of the whole film, and power of the given pressures. [m3/s, W]."""
+        grid, (flow_x, flow_y) = self.film.grid, self.flows
+        free = np.pad(grid.mark != PRESCRIBED, 1)
+        given = np.pad(grid.prescribed, 1)
+        given[0, 1:-1], given[-1, 1:-1] = grid.west, grid.east
+        given[1:-1, 0], given[1:-1, -1] = grid.south, grid.north
+        if grid.ring:
+            free[0], given[0], flow_x = free[-2], given[-2], flow_x[:-1]
+        outflow, power = 0.0, 0.0
+        for flow, before, after, first, second in (
+            (flow_x, free[:-1, 1:-1], free[1:, 1:-1], given[:-1, 1:-1], given[1:, 1:-1]),
+            (flow_y, free[1:-1, :-1], free[1:-1, 1:], given[1:-1, :-1], given[1:-1, 1:]),
+        ):
+            rows = len(flow)
+            out = np.where(before[:rows], flow, -flow)
+            crossing = before[:rows] != after[:rows]
+            pressure = np.where(before[:rows], second[:rows], first[:rows])
+            outflow += float(np.maximum(out, 0.0)[crossing].sum())
+            power -= float((out * pressure)[crossing].sum())
+        return Exchange(self.film.weight * outflow, self.film.weight * power)
+
+    def relative_error(self, error: float, through: float) -> float:
+        """Flow that is missing over the through-flow; 0 in a film that only rounding moves. [-]."""
+        b, u = self.balance, np.abs(self.fields.potential)
+        conducted = float((b.conductance_x[1:] * u).sum() + (b.conductance_y[:, 1:] * u).sum())
+        return abs(error) / through if through > ROUNDING * conducted else 0.0
 
 
 def solve_state(
-    film: FilmProblem,
-    start: IntArray | None = None,
-    history: Callable[[CellBalance, Array], CellBalance] | None = None,
+    film: FilmProblem, start: IntArray | None = None, history: FilmHistory | None = None
 ) -> FilmState:
     """Pressure and film fraction; the density is iterated with the pressure.
 
@@ -91,23 +200,28 @@ def solve_state(
         Film.
     start : ndarray of int, optional
         Kinds of the cells to begin with, as of a former solution.
-    history : callable, optional
-        Adds to a balance, at a density of the cells, what the film held before.
+    history : FilmHistory, optional
+        What the film held one time step ago; without, the film follows the motion without delay.
 
     Returns
     -------
     FilmState
         Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
+
+    Raises
+    ------
+    CaseError
+        If the film had other cells one time step ago.
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
     grid, floor = fluid.reduced_grid(film.grid), fluid.reduced_of(lowest)
     density = fluid.density(np.full(film.gap.centre.shape, lowest))
     gauge, lost = np.zeros_like(density), 0
-    mixing = Mixing(MIXED_PASSES)
+    mixing, remember = Mixing(MIXED_PASSES), _memory(film, history)
     for number in range(1, FLUID_PASSES + 1):
         balance = film_balance(grid, film.gap, fluid.carrier(density), floor, film.law)
-        if history is not None:
-            balance = history(balance, density)
+        if remember is not None:
+            balance = remember(balance, density)
         fields = _solve(balance, film.constraint, start)
         reduced = np.maximum(fields.potential, 0.0) + floor
         lost = lost + 1 if float(reduced.max()) >= fluid.highest_reduced else 0
@@ -123,26 +237,13 @@ def solve_state(
         density = mixing.following(density.ravel(), error.ravel()).reshape(error.shape)
     status = Status.DONE if settled and fields.converged else Status.NOT_CONVERGED
     status = Status.RUNAWAY if lost else status
-    return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status)
+    return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status, film)
 
 
-def memory(
+def _memory(
     film: FilmProblem, history: FilmHistory | None
 ) -> Callable[[CellBalance, Array], CellBalance] | None:
-    """Implicit Euler step of the content of the cells in place of the squeeze velocity.
-
-    Parameters
-    ----------
-    film : FilmProblem
-        Film at the end of the time step.
-    history : FilmHistory, optional
-        What it held at the beginning; the result is None without.
-
-    Raises
-    ------
-    CaseError
-        If the film had other cells.
-    """
+    """Implicit Euler step of the content of the cells in place of the squeeze velocity."""
     if history is None:
         return None
     height = mean_gap(film.gap.centre, film.law) + film.gap.step
@@ -158,59 +259,6 @@ def memory(
         return balance._replace(storage=density * height * rate, source=gained)
 
     return remember
-
-
-class Exchange(NamedTuple):
-    """What a film exchanges with its edges and cells of given pressure."""
-
-    outflow: float
-    """Flow out of the film, wherever it leaves. [m3/s]"""
-    power: float
-    """Power that the pressures of what flows in and out bring into the film. [W]"""
-
-
-def exchange(grid: FilmGrid, balance: CellBalance, fields: ComplementaritySolution) -> Exchange:
-    """Flow out of the free cells and the power of the given pressures, of the solved part.
-
-    Parameters
-    ----------
-    grid : FilmGrid
-        Grid with its given pressures. [Pa]
-    balance : CellBalance
-        Balance that was solved. [Pa, m3/s]
-    fields : ComplementaritySolution
-        Its solution.
-    """
-    flow_x, flow_y = face_flows(
-        balance, balance, np.maximum(fields.potential, 0.0), fields.saturation
-    )
-    free = np.pad(grid.mark != PRESCRIBED, 1)
-    given = np.pad(grid.prescribed, 1)
-    given[0, 1:-1], given[-1, 1:-1] = grid.west, grid.east
-    given[1:-1, 0], given[1:-1, -1] = grid.south, grid.north
-    if grid.ring:
-        free[0], given[0], flow_x = free[-2], given[-2], flow_x[:-1]
-    outflow, power = 0.0, 0.0
-    for flow, before, after, first, second in (
-        (flow_x, free[:-1, 1:-1], free[1:, 1:-1], given[:-1, 1:-1], given[1:, 1:-1]),
-        (flow_y, free[1:-1, :-1], free[1:-1, 1:], given[1:-1, :-1], given[1:-1, 1:]),
-    ):
-        rows = len(flow)
-        out = np.where(before[:rows], flow, -flow)
-        crossing = before[:rows] != after[:rows]
-        pressure = np.where(before[:rows], second[:rows], first[:rows])
-        outflow += float(np.maximum(out, 0.0)[crossing].sum())
-        power -= float((out * pressure)[crossing].sum())
-    return Exchange(outflow, power)
-
-
-def relative_error(error: float, through: float, balance: CellBalance, potential: Array) -> float:
-    """Flow that is missing over the through-flow; zero in a film that only rounding moves. [-]."""
-    u = np.abs(potential)
-    conducted = float(
-        (balance.conductance_x[1:] * u).sum() + (balance.conductance_y[:, 1:] * u).sum()
-    )
-    return abs(error) / through if through > ROUNDING * conducted else 0.0
 
 
 def _solve(

@@ -6,6 +6,7 @@ from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
+from toothspace.gearing.short_circuit import opening_checks
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.loads import (
@@ -17,7 +18,12 @@ from toothspace.machines.crescent.loads import (
     outlines,
 )
 from toothspace.machines.crescent.parameters import CrescentParameters
-from toothspace.machines.crescent.summary import design_checks, geometry_summary
+from toothspace.machines.crescent.summary import (
+    closing_play,
+    design_checks,
+    geometry_summary,
+)
+from toothspace.machines.shared_bearings import bearing_checks
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription
 
@@ -38,19 +44,28 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         If the gears cannot be built or put into mesh.
     """
     assembly = assemble(spec)
-    checks = design_checks(assembly)
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
-    pinion, ring = tooth_spaces(assembly, numbering, spaces)
+    families = tuple(
+        own.chambers(name)
+        for own, name in zip(tooth_spaces(assembly, numbering, spaces), FAMILIES, strict=True)
+    )
+    paths, displaced = flow_paths(assembly, numbering, spaces), displacement(assembly)
+    journals = journal_bearings(assembly)
+    checks = (
+        *design_checks(assembly),
+        *opening_checks(families, paths, displaced, closing_play(assembly)),
+        *bearing_checks(journals, min(assembly.root_clearances)),
+    )
     return MachineDescription(
         name="crescent",
         mode=spec.use,
-        displacement=displacement(assembly),
+        displacement=displaced,
         bodies=bodies(assembly),
         motions=MOTIONS,
-        families=(pinion.chambers(FAMILIES[0]), ring.chambers(FAMILIES[1])),
-        paths=flow_paths(assembly, numbering, spaces),
-        journals=journal_bearings(assembly),
+        families=families,
+        paths=paths,
+        journals=journals,
         laterals=lateral_films(assembly, numbering),
         contacts=flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0]),
         mesh=rigid_mesh(assembly),

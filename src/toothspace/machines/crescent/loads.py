@@ -10,7 +10,14 @@ from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import library_material
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.space_paths import FACES
-from toothspace.geometry.curve import closed_length, polar_moment, signed_area, turned
+from toothspace.geometry.curve import (
+    closed_length,
+    outline_with_hole,
+    polar,
+    polar_moment,
+    signed_area,
+    turned,
+)
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
 from toothspace.machines.shared_bearings import gear_on_shaft, ring_bearing, shaft_bearings
@@ -123,22 +130,16 @@ def pinion_face(assembly: CrescentAssembly, numbering: Numbering) -> FilmFace:
 
 
 def outlines(assembly: CrescentAssembly) -> dict[str, Array]:
-    """Polygons for drawing: gears in their own frame at shaft angle zero, filler and recesses.
-
-    The ring is one curve round its outside and back along its teeth.
-    """
-    turns = np.linspace(0.0, 2.0 * np.pi, _CIRCLE)
-    circle = np.column_stack([np.cos(turns), np.sin(turns)])
+    """Polygons for drawing: gears in their own frame at shaft angle zero, filler and recesses."""
+    circle = polar(1.0, np.linspace(0.0, 2.0 * np.pi, _CIRCLE)[:-1])
     outside = 0.5 * assembly.spec.ring.outer_diameter
     teeth = turned(assembly.ring_curve, assembly.mesh.turn)
-    first = int(np.argmin(np.abs(np.arctan2(teeth[:, 1], teeth[:, 0]))))
-    inside = np.roll(teeth, -first, axis=0)
     clearance = assembly.spec.ring.radial_clearance
     return {
-        BODIES[1]: np.vstack([outside * circle, inside[:1], inside[::-1]]),
+        BODIES[1]: outline_with_hole(outside * circle, teeth),
         BODIES[0]: assembly.pinion.closed_polygon(0.5 * np.pi + assembly.mesh.half_pitch),
         "filler": filler_outline(assembly),
-        "casing": (outside + clearance) * circle[:-1] + assembly.ring_center,
+        "casing": (outside + clearance) * circle + assembly.ring_center,
         **{f"port_{name}": outline for name, outline in cover_recesses(assembly).items()},
         **{f"groove_{name}": outline for name, outline in relief_polygons(assembly).items()},
     }

@@ -118,6 +118,17 @@ def _pinion(assembly: CrescentAssembly, angle: float) -> shapely.Polygon:
     return shapely.Polygon(assembly.pinion.closed_polygon(start + angle))
 
 
+def closing_play(assembly: CrescentAssembly) -> float:
+    """Part of the backlash that the play of both bearings closes. [m].
+
+    The pressure lifts the ring of a pump off the pinion and presses that of a motor onto it, along
+    the centre line; twice the sine of a working angle near 30 degrees is 1.
+    """
+    spec = assembly.spec
+    play = spec.journal_bearings.radial_clearance + spec.ring.radial_clearance
+    return play if spec.mode == "motor" else 0.0
+
+
 def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
     """Design-rule report of gears and filler."""
     fouled, owners = overlap(assembly), ("pinion", "ring")

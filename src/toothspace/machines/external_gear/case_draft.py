@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import named_beside
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import AXES, SectionRequest
@@ -32,7 +33,7 @@ from toothspace.geometry.pump_sections import (
     face_recesses,
     machine_frame,
 )
-from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 
 _CLEARANCES = (1e-6, 300e-6)
 """Between tip circle and bore. [m]"""

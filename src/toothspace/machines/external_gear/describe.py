@@ -8,6 +8,7 @@ from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
+from toothspace.gearing.short_circuit import opening_checks
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
@@ -24,6 +25,7 @@ from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
+from toothspace.machines.shared_bearings import bearing_checks
 from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
 
@@ -48,9 +50,15 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
-    checks = design_checks(assembly)
+    journals, displaced = journal_bearings(assembly), displacement(assembly)
     families = drive.chambers(BODIES[0]), driven.chambers(BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
+    checks = (
+        *design_checks(assembly),
+        # at a running-in condition, ways through the mesh are judged there
+        *opening_checks(families, paths, displaced, 0.0 if wear is None else None),
+        *bearing_checks(journals, min(assembly.root_clearances)),
+    )
     contacts = flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0])
     own = own_teeth(assembly, numbering, spaces)
     if own is not None:
@@ -69,12 +77,12 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     return MachineDescription(
         name="external_gear",
         mode=keys.use,
-        displacement=displacement(assembly),
+        displacement=displaced,
         bodies=bodies(assembly),
         motions=MOTIONS,
         families=families,
         paths=paths,
-        journals=journal_bearings(assembly),
+        journals=journals,
         laterals=lateral_films(assembly, numbering),
         contacts=contacts,
         mesh=rigid_mesh(assembly),

@@ -14,6 +14,7 @@ from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
+from toothspace.geometry.polygon import enclosed
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import BODIES, groove_polygons
 from toothspace.model.description import LumpedLateralFilm
@@ -150,9 +151,7 @@ class FaceOfGear:
             # chambers between the teeth in mesh, cut where the throats are
             places, within = (x.ravel()[lens], y.ravel()[lens]), node.ravel()[lens]
             for chamber, outline in self._mesh_spaces(shaft_angle):
-                shape = shapely.Polygon(outline)
-                if not shape.is_valid:
-                    shape = shape.buffer(0.0)
+                (shape,) = enclosed([outline])
                 shapely.prepare(shape)
                 within[shapely.contains_xy(shape, *places)] = chamber
             node.flat[lens] = within

@@ -20,6 +20,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import displacement, relative_radius
+from toothspace.gearing.short_circuit import DENSITY, SHORT_CIRCUIT_LIMIT, in_series
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
@@ -31,12 +32,6 @@ PEAK_LIMIT = 1.5
 
 SINGLE_FLANK_LIMIT = 0.1
 """Pressure drop in the backlash over the high pressure up to which both spaces act as one. [-]"""
-
-SHORT_CIRCUIT_LIMIT = 0.01
-"""Flow from high to low pressure through joined openings over the ideal flow. [-]"""
-
-DENSITY = 850.0
-"""Density of the estimate, mineral oil. [kg/m3]"""
 
 VISCOSITY = 0.027
 """Dynamic viscosity of the estimate, ISO VG 46 at 50 degC. [Pa s]"""
@@ -228,9 +223,9 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: WearInParameters) 
     """
     speed, difference = condition.shaft_speed, condition.pressure - ATMOSPHERIC_PRESSURE
     pressures = _pressures(chain, assembly.spec.keys.mode == "pump", condition)
-    joined = _both(chain.to_inlet.area, chain.to_outlet.area).sum(axis=1)
+    joined = in_series(chain.to_inlet.area, chain.to_outlet.area).sum(axis=1)
     for here, there in ((chain.to_outlet, chain.to_inlet), (chain.to_inlet, chain.to_outlet)):
-        through = _both(chain.throat.area, _both(here.area[:, :-1], there.area[:, 1:]))
+        through = in_series(chain.throat.area, in_series(here.area[:, :-1], there.area[:, 1:]))
         joined += through.sum(axis=1)
     rate = float(np.mean(joined) * np.sqrt(2.0 * difference / DENSITY))
     return Trapping(
@@ -238,12 +233,6 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: WearInParameters) 
         exchange_drop=_exchange_drop(chain, speed),
         short_circuit=rate / (displacement(assembly) * speed),
     )
-
-
-def _both(first: Array, second: Array) -> Array:
-    # area of two openings in series
-    product, scale = first * second, np.hypot(first, second)
-    return np.asarray(product / np.where(scale > 0.0, scale, 1.0), dtype=float)
 
 
 def _exchange_drop(chain: MeshChain, speed: float) -> float:
@@ -305,7 +294,7 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     condition = f"at {wear.pressure * 1e-5:.4g} bar, {wear.shaft_speed * 30.0 / np.pi:.4g} rpm"
     peak_limit, drop_limit = PEAK_LIMIT * wear.pressure, SINGLE_FLANK_LIMIT * wear.pressure
     calm = found.peak_pressure <= peak_limit
-    sealed = found.short_circuit <= SHORT_CIRCUIT_LIMIT
+    sealed = bool(found.short_circuit <= SHORT_CIRCUIT_LIMIT)
     nearest = min(_EDGE_STEPS, int(np.ceil(grooves.closing_side_offset / _EDGE_STEP))) - 1
     closing = opening = ""
     if not calm:

@@ -6,7 +6,13 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material
-from toothspace.geometry.curve import closed_length, polar, polar_moment, signed_area
+from toothspace.geometry.curve import (
+    closed_length,
+    outline_with_hole,
+    polar,
+    polar_moment,
+    signed_area,
+)
 from toothspace.machines.gerotor.flow_paths import shaft_radius, side_gap
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
@@ -132,12 +138,10 @@ def outlines(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -> di
     """Polygons for drawing: rotors in their own frame at shaft angle zero, casing, ports."""
     radius = 0.5 * parameters.housing.outer_rotor_diameter
     angle = np.linspace(0.0, 2.0 * np.pi, _CIRCLE_POINTS)[:-1]
-    circle, inside = polar(1.0, angle), pocket.rotors.outer
-    inside = np.roll(inside, -int(np.argmax(inside[:, 0])), axis=0)
+    circle = polar(1.0, angle)
     return {
         "inner_rotor": pocket.rotors.inner,
-        # rim and inside as one curve, with a cut between where both are farthest right
-        "outer_rotor": np.vstack([radius * circle, radius * circle[:1], inside[:1], inside[::-1]]),
+        "outer_rotor": outline_with_hole(radius * circle, pocket.rotors.outer),
         "casing": (radius + parameters.housing.radial_clearance) * circle,
         "port_inlet": ports.contours["inlet"],
         "port_outlet": ports.contours["outlet"],

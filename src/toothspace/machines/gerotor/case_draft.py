@@ -8,6 +8,7 @@ from itertools import product
 from pathlib import Path
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import named_beside
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_import import STEP_SUFFIXES
@@ -17,7 +18,7 @@ from toothspace.machines.gerotor.rotor_files import (
     rotor_pair,
     size_beside,
 )
-from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 
 _RIM = 1.2
 """Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""

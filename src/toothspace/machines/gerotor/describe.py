@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.design_check import warnings_of
+from toothspace.geometry.curve import outline_with_hole
 from toothspace.machines.gerotor.bodies import (
     bodies,
     film_by_motion,
@@ -22,11 +23,15 @@ from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
 from toothspace.machines.gerotor.lobe_pairs import contact_ratio, rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
-from toothspace.machines.gerotor.ports import ports_of
+from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_bearings import require_rim, require_shaft_below
+from toothspace.machines.shared_bearings import (
+    bearing_checks,
+    require_rim,
+    require_shaft_below,
+)
 from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
@@ -57,13 +62,17 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     require_shaft_below("machine.rotors.shaft_diameter", shaft, float(near.min()))
     ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
-    checks = design_checks(spec, pocket, timing)
+    journals = journal_bearings(spec)
+    checks = (*design_checks(spec, pocket, timing, ports), *bearing_checks(journals))
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
     family, film = _families(spec, pocket, columns)
     # the pockets feed the film through the faces of the outer rotor
     share = smooth_table(FULL_TURN, film_by_motion(spec, pocket)[:, columns])
     fed = replace(family, volume_by_motion=sum_of_tables(family.volume_by_motion, share))
+    shapes = outlines(spec, pocket, ports)
+    bore = shapes["casing"]
+    rim_circle = bore * rim / (rim + 2.0 * spec.housing.radial_clearance)
     walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
@@ -74,7 +83,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         motions=motions(spec),
         families=(fed, film),
         paths=flow_paths(spec, pocket, timing, columns),
-        journals=journal_bearings(spec),
+        journals=journals,
         laterals=lateral_films(spec, pocket),
         shared_faces=None if walls else shared_faces(spec, pocket, ports, family),
         contacts=contacts,
@@ -82,7 +91,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
         drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
-        outlines=outlines(spec, pocket, ports),
+        outlines=shapes,
+        chamber_outlines=PocketOutlines(pocket, outline_with_hole(bore, rim_circle)),
         geometry_summary=geometry_summary(spec, pocket, timing)
         | {"contact_ratio": ratio, "warnings": warnings_of(checks)},
         checks=checks,

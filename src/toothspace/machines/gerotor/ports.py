@@ -11,7 +11,7 @@ import shapely
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import polar, turned
-from toothspace.geometry.polygon import load_polygons
+from toothspace.geometry.polygon import enclosed, load_polygons
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 
@@ -93,6 +93,11 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
             f"machine.ports.inner_radius: found {inner * 1e3:.5g} mm, allowed below "
             f"{outer * 1e3:.5g} mm"
         )
+    if outer >= rim_radius:
+        raise GeometryError(
+            f"machine.ports.outer_radius: found {outer * 1e3:.5g} mm, allowed below "
+            f"{rim_radius * 1e3:.5g} mm, the radius of the outer rotor"
+        )
     width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
     slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:
@@ -133,8 +138,8 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     kidney = shapely.Polygon(ports.contours[port])
     shapely.prepare(kidney)
     table = np.zeros((pocket.place.size, 2))
-    for node in range(pocket.place.size):
-        shape = shapely.make_valid(shapely.Polygon(pocket_polygon(pocket, node)))
+    shapes = enclosed([pocket_polygon(pocket, node) for node in range(pocket.place.size)])
+    for node, shape in enumerate(shapes):
         cut = shapely.intersection(kidney, shape)
         if cut.area > _LEAST_AREA:
             table[node] = cut.area, 4.0 * cut.area / cut.length
@@ -175,20 +180,53 @@ def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     return np.column_stack([open_width * length, 2.0 * (open_width + length)])
 
 
-def pocket_polygon(pocket: Pockets, node: int) -> Array:
+@final
+@dataclass(frozen=True)
+class PocketOutlines:
+    """Outlines of all chambers of a gerotor set over the shaft angle.
+
+    Parameters
+    ----------
+    pocket : Pockets
+        Pockets of the set.
+    film : ndarray, shape (n, 2)
+        Outline of the film round the outer rotor. [m]
+    """
+
+    pocket: Pockets
+    film: Array
+
+    def __call__(self, shaft_angle: float) -> list[Array]:
+        """Outlines at a shaft angle [rad], pockets, then the film. [m]."""
+        size, count = self.pocket.place.size, self.pocket.rotors.outer_tooth_count
+        turned_by = size * self.pocket.angle_ratio * shaft_angle / FULL_TURN
+        nodes = turned_by + size / count * np.arange(count)
+        return [*(pocket_polygon(self.pocket, float(node)) for node in nodes), self.film]
+
+
+def pocket_polygon(pocket: Pockets, node: float) -> Array:
     """Outline of a pocket at one node of its place, from throat to throat.
+
+    Parameters
+    ----------
+    node : float
+        Number of the node; throats between two nodes are interpolated. [-]
 
     Returns
     -------
     ndarray, shape (n, 2)
         Closed polygon in the machine frame. [m]
     """
-    rotors, turn = pocket.rotors, float(pocket.place[node])
-    ends = []
-    for index in (node - pocket.half_pitch_nodes, node + pocket.half_pitch_nodes):
-        i = index % pocket.place.size
-        offset = 0.5 * pocket.path.gap[i] * pocket.path.normal[i]
-        ends.append((pocket.path.point[i] - offset, pocket.path.point[i] + offset))
+    rotors, size = pocket.rotors, pocket.place.size
+    turn, ends = FULL_TURN * node / size, []
+    for beside in (node - pocket.half_pitch_nodes, node + pocket.half_pitch_nodes):
+        first = int(np.floor(beside))
+        share = beside - first
+        gap, normal, point = (
+            (1.0 - share) * values[first % size] + share * values[(first + 1) % size]
+            for values in (pocket.path.gap, pocket.path.normal, pocket.path.point)
+        )
+        ends.append((point - 0.5 * gap * normal, point + 0.5 * gap * normal))
     inner_turn = turn * rotors.outer_tooth_count / rotors.inner_tooth_count
     inner = turned(rotors.inner, inner_turn) + rotors.inner_center
     outer = turned(rotors.outer, turn)

@@ -13,6 +13,7 @@ from toothspace.core.keys import (
     Problem,
     choice,
     file_path,
+    forbid,
     instead_of,
     integer,
     quantity,
@@ -72,7 +73,7 @@ class RotorParameters(KeyTable):
     )
     material: str = text("Material from the library.", default="sintered_steel")
     roughness: float = quantity(
-        "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.6e-6
+        "um", "Root mean square roughness of flanks and faces.", low=0.01, high=10, default=0.6e-6
     )
 
     def __post_init__(self) -> None:
@@ -86,3 +87,5 @@ class RotorParameters(KeyTable):
                 )
         if self.kind == "trochoidal":
             require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
+        else:
+            forbid(self, 'unless kind = "trochoidal"', "generating_radius", "lobe_radius")

@@ -5,14 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
-from toothspace.machines.gerotor.ports import kinematic_lands
+from toothspace.machines.gerotor.ports import Ports, kinematic_lands
 from toothspace.machines.gerotor.profiles import trochoid_of
 from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import DesignCheck
 
 _LEAST_EDGE = 0.5e-3
+_LEAST_LAND = 0.5
+_THICKEST_RIM = 6.0
 _LARGEST_RIPPLE = 0.10
 _LARGEST_JOINED_AREA = 0.2e-6
 _LARGEST_TRAPPED_SHARE = 0.01
@@ -67,14 +70,38 @@ def geometry_summary(
 
 
 def design_checks(
-    parameters: GerotorParameters, pocket: Pockets, timing: Timing
+    parameters: GerotorParameters, pocket: Pockets, timing: Timing, ports: Ports
 ) -> tuple[DesignCheck, ...]:
-    """Design-rule report of a gerotor set: profiles, rim, timing."""
+    """Design-rule report of a gerotor set: profiles, rim, ports, timing."""
     return (
         *_undercut_check(parameters),
         *_common_checks(parameters, pocket),
+        *_land_checks(parameters, pocket, ports),
         *_timing_checks(pocket, timing),
     )
+
+
+def _land_checks(
+    parameters: GerotorParameters, pocket: Pockets, ports: Ports
+) -> tuple[DesignCheck, ...]:
+    """Lands that the kidneys leave on the faces, over those between pockets and rim or shaft."""
+    radii = np.hypot(*np.vstack(list(ports.contours.values())).T)
+    rim = 0.5 * parameters.housing.outer_rotor_diameter
+    floor = float(np.hypot(*pocket.rotors.outer.T).max())
+    root = float(np.hypot(*pocket.rotors.inner.T).min())
+    shaft = shaft_radius(parameters, pocket)
+    shares = {
+        "rim": (rim - float(radii.max())) / (rim - floor),
+        "shaft": (float(radii.min()) - shaft) / (root - shaft),
+    }
+    return tuple(
+        DesignCheck(
+            f"land beside the kidneys to the {name}", 100.0 * share, "%",
+            f"above {100.0 * _LEAST_LAND:g} % of that beside the pockets", share > _LEAST_LAND,
+            "The land seals the port; leakage is found with the land that the pockets leave.",
+        )
+        for name, share in shares.items()
+    )  # fmt: skip
 
 
 def _timing_checks(pocket: Pockets, timing: Timing) -> tuple[DesignCheck, ...]:
@@ -125,8 +152,9 @@ def _common_checks(parameters: GerotorParameters, pocket: Pockets) -> tuple[Desi
     checks = [
         DesignCheck(
             "rim of the outer rotor over the lobe height", float(rim) / height, "1",
-            "above 0.6", bool(rim > 0.6 * height),
-            "A thin rim breathes with the pressure and opens the tip gaps.",
+            f"0.6 to {_THICKEST_RIM:g}", bool(0.6 * height < rim < _THICKEST_RIM * height),
+            "A thin rim breathes with the pressure and opens the tip gaps; a thick one adds "
+            "friction with its radius cubed.",
         ),
         DesignCheck(
             "flow ripple", 100.0 * ripple, "%", "below 10 %", ripple < _LARGEST_RIPPLE,

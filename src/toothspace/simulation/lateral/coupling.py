@@ -18,11 +18,7 @@ from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
 from toothspace.simulation.lateral.interpolation import InterpolatedEquilibrium, Trial
-from toothspace.simulation.lateral.problem import (
-    LateralProblem,
-    LateralSettings,
-    lateral_problem,
-)
+from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, lateral_problem
 from toothspace.simulation.lateral.torque import lumped_torque, with_film_torque
 
 LumpedRun = Callable[[MachineDescription], Solution]

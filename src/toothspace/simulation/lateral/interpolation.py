@@ -20,7 +20,7 @@ _STIFFNESS = 1e6
 _LEAKAGE, _MOST_PLACES = 3e-3, 8
 """Difference of the logarithm of two leakages that agree, and most steps to it. [-]"""
 _FORCE, _LEFT_FORCE = 1e-6, 1e-4
-"""Force left over that behind the bearing: on films alone, and where more than they answer. [-]"""
+"""Force left over that behind the bearing: on films alone, and where chambers respond too. [-]"""
 _MOST_SHARES = 16
 _APART = 3e-3
 """Difference of the logarithm of two leakages that gives a stiffness. [-]"""
@@ -83,7 +83,7 @@ class InterpolatedEquilibrium:
     settle : callable
         Equilibrium of a problem from a state.
     stiffness : float
-        Answer of the chambers to a wider opening that is known from trials further apart. [N/m]
+        Response of the chambers to a wider opening that is known from trials further apart. [N/m]
     """
 
     def __init__(self, low: Trial, high: Trial, settle: Settle, stiffness: float = 0.0) -> None:
@@ -127,7 +127,7 @@ class InterpolatedEquilibrium:
         (a, fa), (b, fb) = (0.0, ends[0].excess), (1.0, ends[1].excess)
         share, held = (0.0, ends[0]) if abs(fa) < abs(fb) else (1.0, ends[1])
         stiffness = self._stiffness(*ends)
-        # the answer of the chambers takes what is left to them
+        # the response of the chambers takes what is left to them
         goal = _LEFT_FORCE if self._friction > 0.0 or stiffness > 0.0 else _FORCE
         for _ in range(_MOST_SHARES if fa > 0.0 > fb else 0):
             share = (a * fb - b * fa) / (fb - fa)
@@ -141,7 +141,7 @@ class InterpolatedEquilibrium:
         return share, self._freed(share, held, stiffness, abs(held.excess) <= goal)
 
     def _stiffness(self, first: SettledBearing, second: SettledBearing) -> float:
-        """Force with which chambers and films answer a wider opening, over its change. [N/m].
+        """Response of the force of chambers and films to a wider opening. [N/m].
 
         Leakage grows with the cube of the gaps.
         """
@@ -155,7 +155,7 @@ class InterpolatedEquilibrium:
     def _freed(
         self, share: float, held: SettledBearing, stiffness: float, balanced: bool
     ) -> SettledBearing:
-        """State with friction and the answer of the chambers in place of the holding spring.
+        """State with friction and the response of the chambers in place of the holding spring.
 
         There is no equilibrium if a force is left on the holding spring.
         """

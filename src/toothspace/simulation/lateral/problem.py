@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.case import Case
+from toothspace.closures.contact_rough import real_contact_share
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.closures.real_contact import real_contact_share
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
@@ -203,7 +203,7 @@ class LateralNumbers:
     contact_force : float
         Load that asperities carry. [N]
     real_contact_area : float
-        Area of touching asperities by ``toothspace.closures.real_contact``. [m2]
+        Area of touching asperities by ``toothspace.closures.contact_rough``. [m2]
     contact_share : float
         Part of the film area with asperity pressure above 1e-4 of the hardness. [-]
     wear_power : float

@@ -179,7 +179,7 @@ def reduce_lateral(
     shares : tuple of ndarray
         Forces and moments to solve at, as shares. [-]
     progress : callable, optional
-        Told how many columns of the table are done.
+        Called with the finished share and a short text.
 
     Notes
     -----
@@ -240,7 +240,7 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
 def squeeze_lag(stack: Stack, balance: Balance) -> float:
     """Time in which bearing and bodies follow a force on the bearing by squeezing films. [s].
 
-    The first moment of their answer to a step, see :func:`reduce_lateral`.
+    The first moment of their step response, see :func:`reduce_lateral`.
     """
     assert balance.jacobian is not None
     free = stack.free
