@@ -22,6 +22,9 @@ BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 VOLUMETRIC_LIMIT = 1.001
 """Volumetric efficiency above which a warning says why it is above 1. [-]"""
 
+OVERALL_LIMIT = 1.0 + 1e-6
+"""Overall efficiency above which a warning says so; an ideal machine reaches 1. [-]"""
+
 LEAKAGE_LIMIT = 0.5
 """Volumetric efficiency below which a warning says so. [-]"""
 
@@ -125,7 +128,7 @@ def _numbers(solution: Solution) -> Iterator[str]:
             "The shaft is driven from outside although this is a motor: friction takes more than "
             "the pressure gives. Raise the pressure difference or look at the clearances."
         )
-    if overall > 1.0:
+    if overall > OVERALL_LIMIT:
         yield (
             f"Overall efficiency is {overall:.4f}, above 1, which no machine has. "
             "Tighten run.relative_tolerance."

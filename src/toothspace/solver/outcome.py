@@ -355,31 +355,40 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["body_position"][:, rows, 2] = found[..., 0]
         values["body_tilt"][:, rows, :2] = found[..., 1:3]
         values["face_film_height"][:, rows] = found[..., 3]
-    values |= _journal_values(history, values["body_position"], names)
+    moving = _block_position(history)
+    values |= _journal_values(system, values["body_position"], names, moving)
+    if moving is not None:
+        values["block_position"] = moving
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
         values["contact_gap"] = _contact_gaps(history)
     return values
 
 
-def _journal_values(history: History, position: Array, names: list[str]) -> dict[str, Array]:
-    system, first = history.system, history.system.arrays.size.position
+def _block_position(history: History) -> Array | None:
+    """Displacement of bearing blocks that move, the last two free motions. [m]."""
+    free, size = len(history.system.free_motions), history.system.arrays.size
+    if free == size.motions:
+        return None
+    found = np.zeros((history.times.size, 3))
+    found[:, :2] = history.states[:, size.position + free : size.velocity]
+    return found
+
+
+def _journal_values(
+    system: System, position: Array, names: list[str], moving: Array | None = None
+) -> dict[str, Array]:
     ratio = np.zeros(position.shape[:2])
     heights = []
     seat = np.zeros((len(names), 3))
-    values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
     for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=False):
         b, clearance = names.index(body), journal[col.JOURNAL_CLEARANCE]
-        middle = journal[[col.BUSH_X, col.BUSH_Y]]
-        seat[b, :2] = middle
-        if journal[col.CARRIER_X] >= 0.0:
-            places = [first + int(journal[col.CARRIER_X]), first + int(journal[col.CARRIER_Y])]
-            moving = np.zeros((position.shape[0], 3))
-            middle = moving[:, :2] = history.states[:, places]
-            values["block_position"] = moving
+        seat[b, :2] = journal[col.BUSH_X], journal[col.BUSH_Y]
+        middle = seat[b, :2] if moving is None else moving[:, :2]
         eccentricity = np.hypot(*(position[:, b, :2] - middle).T)
         ratio[:, b] = eccentricity / clearance
         heights.append(clearance - eccentricity)
+    values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
     return values | ({"journal_film_height": np.stack(heights, axis=1)} if heights else {})
 
 

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.results.ripple import working_side
+from toothspace.results.solution import Solution
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
@@ -69,8 +71,24 @@ _VAPOUR = 0.1
 _COARSE = "run.samples_per_revolution=360"
 
 
+def _solution(case: str, effort: Effort) -> Solution:
+    return solved(case, *((_COARSE,) if effort == "short" else ()))
+
+
 def _machine(case: str, effort: Effort) -> dict[str, Any]:
-    return dict(solved(case, *((_COARSE,) if effort == "short" else ())).summary())
+    return dict(_solution(case, effort).summary())
+
+
+def _over_angle(case: str, effort: Effort) -> tuple[ComparedCurve, ...]:
+    """Pressure of one space and flow at the working port over the last turn."""
+    data = _solution(case, effort).data
+    angle = np.degrees(data["shaft_angle"].values - float(data["shaft_angle"][0]))
+    port = working_side(data)
+    rows = (
+        ("Pressure of one space", "pressure (bar)", data["chamber_pressure"][:, 0].values / 1e5),
+        (f"Flow at the {port}", "flow (L/min)", data[f"{port}_flow_rate"].values * 6e4),
+    )
+    return tuple(ComparedCurve(n, "shaft angle (deg)", y, angle, v) for n, y, v in rows)
 
 
 def _efficiencies(
@@ -112,7 +130,8 @@ def _egm12(case: str, effort: Effort) -> Evidence:
     numbers = _machine(case, effort)
     # a motor's return line feeds its spaces; the pump draws from a tank at 1 bar
     parts = _efficiencies(numbers, _EFFICIENCIES) + _pressures(numbers, fed=case == "egm12_motor")
-    return Evidence((*parts, *_ripple(numbers, 15.7), _temperature(numbers)))
+    values = (*parts, *_ripple(numbers, 15.7), _temperature(numbers))
+    return Evidence(values, _over_angle(case, effort))
 
 
 def _tabulated(effort: Effort) -> Evidence:
@@ -123,13 +142,14 @@ def _tabulated(effort: Effort) -> Evidence:
 def _fuel(effort: Effort) -> Evidence:
     numbers = _machine("fuel14_pump", effort)
     ripple = _ripple(numbers, 14.0)
-    return Evidence((*_pressures(numbers, fed=True), *ripple, _temperature(numbers)))
+    values = (*_pressures(numbers, fed=True), *ripple, _temperature(numbers))
+    return Evidence(values, _over_angle("fuel14_pump", effort))
 
 
 def _gerotor(case: str, low: float, high: float, effort: Effort) -> Evidence:
     numbers = _machine(case, effort)
     parts = _efficiencies(numbers, {"volumetric_efficiency": (low, high)})
-    curves = _beside_measured(case) if effort == "full" else ()
+    curves = _beside_measured(case) if effort == "full" else _over_angle(case, effort)
     return Evidence((*parts, *_pressures(numbers, fed=False), _temperature(numbers)), curves)
 
 
