@@ -69,6 +69,8 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "simulation/lateral/between_covers.py", "films/lateral/resting_covers.py",
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
+    "bearing blocks that follow their load": ("model/free_motions.py",),
+    "design rules of ways from port to port": ("gearing/short_circuit.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""

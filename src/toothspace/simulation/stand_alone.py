@@ -23,6 +23,7 @@ from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.files import require_ending
 from toothspace.core.status import Status
+from toothspace.films import summaries
 from toothspace.films.field_files import FilmSolution, save_film, save_film_vtk
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.geometry import Groove, Lobes
@@ -33,14 +34,6 @@ from toothspace.films.plane.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.films.summaries import (
-    bearing_summary,
-    faces_summary,
-    heat_summary,
-    orbit_summary,
-    pad_summary,
-    ring_summary,
-)
 from toothspace.films.thermal import Film, solve_heated
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
@@ -55,10 +48,10 @@ FILE_SUFFIXES: Mapping[str, Callable[[FilmSolution, Path], None]] = {
 """How the fields of a film are written, by the ending of the file."""
 
 _SUMMARIES: Mapping[type, Callable[[Any], dict[str, Any]]] = {
-    JournalBearingSolution: bearing_summary,
-    PadSolution: pad_summary,
-    LateralSolution: ring_summary,
-    FaceFilms: faces_summary,
+    JournalBearingSolution: summaries.bearing_summary,
+    PadSolution: summaries.pad_summary,
+    LateralSolution: summaries.ring_summary,
+    FaceFilms: summaries.faces_summary,
 }
 
 
@@ -143,7 +136,7 @@ def _heated(
         if str(error).startswith("heat:"):
             raise CaseError(f"{place}.{error}") from error
         raise
-    return heated.film, heat_summary(heated)
+    return heated.film, summaries.heat_summary(heated)
 
 
 def _journal_film(bearing: JournalBearing, keys: JournalBearingCase) -> JournalBearingSolution:
@@ -189,7 +182,7 @@ def _orbit(
         ),
     )
     status = film.status if found.converged else Status.NOT_CONVERGED
-    summary = orbit_summary(found, film.bearing.radial_clearance)
+    summary = summaries.orbit_summary(found, film.bearing.radial_clearance)
     return {**summary, "status": status.name.lower()}
 
 

@@ -16,19 +16,9 @@ from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
+from toothspace.solver import outcome
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History
-from toothspace.solver.outcome import (
-    attributes_of,
-    body_values,
-    chamber_values,
-    constants_of,
-    labels_of,
-    lateral_values,
-    loss_values,
-    port_values,
-    window_ledger,
-)
 from toothspace.solver.transient import TimePlan, TransientMarch
 
 _AT_ONCE = 1e-12
@@ -57,19 +47,19 @@ def transient_solution(
     system = march.system
     rows = stream.finish()
     constants = {
-        **constants_of(system, rows),
+        **outcome.constants_of(system, rows),
         "seat_position": _values(march, *_start(march))["seat_position"],
     }
     data = dataset_from(
         {**rows, **constants, **extra},
-        {**labels_of(system), "node": list(_nodes(system))},
+        {**outcome.labels_of(system), "node": list(_nodes(system))},
         sample="time",
-        attributes=attributes_of(system.description, title),
+        attributes=outcome.attributes_of(system.description, title),
     )
     return Solution(
         status=march.status,
         data=data,
-        ledger=window_ledger(_history(march, [0.0, march.time], [march.first, march.last])),
+        ledger=outcome.window_ledger(_history(march, [0.0, march.time], [march.first, march.last])),
         statistics=march.statistics,
         provenance=provenance,
         events=_placed(march.events, rows),
@@ -117,7 +107,7 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     history = _history(march, times, states)
     seen = observe(system.arrays, states, times)
     sign = -1.0 if system.description.mode == "motor" else 1.0
-    ports, circuit = port_values(history, seen), system.condition.circuit
+    ports, circuit = outcome.port_values(history, seen), system.condition.circuit
     pumps = [e for e in circuit.elements if e.kind == "supply_pump"] if circuit else []
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
@@ -128,10 +118,10 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         "supply_speed": np.interp(times, *pumps[0].schedule.T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
         "node_pressure": seen.pressure[:, list(_nodes(system).values())],
-        **chamber_values(system, seen),
-        **body_values(history, seen),
-        **loss_values(history, seen),
-        **lateral_values(history, seen),
+        **outcome.chamber_values(system, seen),
+        **outcome.body_values(history, seen),
+        **outcome.loss_values(history, seen),
+        **outcome.lateral_values(history, seen),
     }
 
 

@@ -7,16 +7,9 @@ from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.gearing.short_circuit import opening_checks
+from toothspace.machines.crescent import loads
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
-from toothspace.machines.crescent.loads import (
-    MOTIONS,
-    bodies,
-    flank_pair,
-    journal_bearings,
-    lateral_films,
-    outlines,
-)
 from toothspace.machines.crescent.parameters import CrescentParameters
 from toothspace.machines.crescent.summary import closing_play, design_checks, geometry_summary
 from toothspace.machines.shared_bearings import bearing_checks
@@ -47,7 +40,7 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         for own, name in zip(tooth_spaces(assembly, numbering, spaces), FAMILIES, strict=True)
     )
     paths, displaced = flow_paths(assembly, numbering, spaces), displacement(assembly)
-    journals = journal_bearings(assembly)
+    journals = loads.journal_bearings(assembly)
     checks = (
         *design_checks(assembly),
         *opening_checks(families, paths, displaced, closing_play(assembly)),
@@ -57,19 +50,19 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         name="crescent",
         mode=spec.use,
         displacement=displaced,
-        bodies=bodies(assembly),
-        motions=MOTIONS,
+        bodies=loads.bodies(assembly),
+        motions=loads.MOTIONS,
         families=families,
         paths=paths,
         journals=journals,
-        laterals=lateral_films(assembly, numbering),
-        contacts=flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0]),
+        laterals=loads.lateral_films(assembly, numbering),
+        contacts=flank_contacts(assembly, loads.flank_pair(assembly), numbering, spaces[0]),
         mesh=rigid_mesh(assembly),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
         drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
-        outlines=outlines(assembly),
+        outlines=loads.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces, checks),
         checks=checks,

@@ -9,14 +9,8 @@ from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.geometry import design_rules as rules
 from toothspace.geometry.curve import turned
-from toothspace.geometry.design_rules import (
-    contact_ratio_check,
-    interference_check,
-    root_clearance_check,
-    tip_land_check,
-    undercut_check,
-)
 from toothspace.geometry.involute import involute_function
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import filler_edges, filler_thickness
@@ -134,16 +128,16 @@ def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
     fouled, owners = overlap(assembly), ("pinion", "ring")
     module = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0] / np.pi
     checks = [
-        contact_ratio_check(contact_ratio(assembly), _LARGEST_CONTACT_RATIO),
+        rules.contact_ratio_check(contact_ratio(assembly), _LARGEST_CONTACT_RATIO),
         DesignCheck(
             "overlap of the teeth", fouled * 1e6, "mm2", "0 mm2", fouled <= _OVERLAP,
             "Teeth that overlap anywhere in a pitch cannot turn.",
         ),
     ]  # fmt: skip
     for owner, clearance in zip(owners, assembly.root_clearances, strict=True):
-        checks.append(root_clearance_check(owner, clearance, module, _LEAST_ROOT_CLEARANCE))
+        checks.append(rules.root_clearance_check(owner, clearance, module, _LEAST_ROOT_CLEARANCE))
     for owner, land in zip(owners, assembly.tip_lands, strict=True):
-        checks.append(tip_land_check(owner, land, module))
+        checks.append(rules.tip_land_check(owner, land, module))
     return (*checks, *_involute_checks(assembly), *_filler_checks(assembly))
 
 
@@ -155,9 +149,9 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     first, second = pair.involute_margins
     return [
         *_recess_checks(assembly, pair),
-        interference_check("pinion", first),
-        interference_check("ring", second),
-        undercut_check("pinion", pair.pinion, pair.pinion_form),
+        rules.interference_check("pinion", first),
+        rules.interference_check("ring", second),
+        rules.undercut_check("pinion", pair.pinion, pair.pinion_form),
         DesignCheck(
             "tip clearance in passing", tip * 1e3, "mm", "above 0 mm", tip > 0.0,
             "Where the tip circles cross, the tips of both gears pass each other; with few teeth "

@@ -7,18 +7,10 @@ from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.gearing.short_circuit import opening_checks
+from toothspace.machines.external_gear import loads
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
-from toothspace.machines.external_gear.loads import (
-    BODIES,
-    MOTIONS,
-    bodies,
-    flank_pair,
-    free_blocks,
-    journal_bearings,
-    outlines,
-)
 from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
@@ -45,8 +37,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
-    journals, displaced = journal_bearings(assembly), displacement(assembly)
-    families = drive.chambers(BODIES[0]), driven.chambers(BODIES[1])
+    journals, displaced = loads.journal_bearings(assembly), displacement(assembly)
+    families = drive.chambers(loads.BODIES[0]), driven.chambers(loads.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
     checks = (
         *design_checks(assembly),
@@ -54,7 +46,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         *opening_checks(families, paths, displaced, 0.0 if wear is None else None),
         *bearing_checks(journals, min(assembly.root_clearances)),
     )
-    contacts = flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0])
+    contacts = flank_contacts(assembly, loads.flank_pair(assembly), numbering, spaces[0])
     own = own_teeth(assembly, numbering, spaces)
     if own is not None:
         widths = spec.drive.face_width, spec.driven.face_width
@@ -73,8 +65,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         name="external_gear",
         mode=keys.use,
         displacement=displaced,
-        bodies=bodies(assembly),
-        motions=MOTIONS,
+        bodies=loads.bodies(assembly),
+        motions=loads.MOTIONS,
         families=families,
         paths=paths,
         journals=journals,
@@ -82,14 +74,14 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
-        free_blocks=free_blocks(assembly),
+        free_blocks=loads.free_blocks(assembly),
         startup=None if keys.startup is None else keys.startup.friction,
         port_volumes=(keys.inlet.volume, keys.outlet.volume),
         drain=keys.drain_node,
         drain_pressure=keys.drain_pressure or 1e5,
         running_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
         lateral_balance=balance,
-        outlines=outlines(assembly),
+        outlines=loads.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces, checks),
         checks=checks,
