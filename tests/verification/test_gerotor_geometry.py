@@ -321,14 +321,14 @@ def test_any_design_is_conjugate(count, slenderness, share, kind):
     """Any tooth count: no overlap, contact everywhere, areas positive and summing up."""
     e = 2e-3
     radius = slenderness * (count + 1) * e
+    lobes = {"generating_radius": radius, "lobe_radius": 1e-3} if kind == "trochoidal" else {}
     design = RotorParameters(
         kind=kind,
         inner_tooth_count=count,
         eccentricity=e,
         face_width=10e-3,
         tip_clearance=0.0,
-        generating_radius=radius,
-        lobe_radius=1e-3,
+        **lobes,
     )
     if kind == "trochoidal":
         limits = trochoid_of(design)

@@ -56,7 +56,7 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
 
 def _towards(description: MachineDescription | None) -> str:
     """Where x points to, in words."""
-    if description is None or "casing" not in description.outlines:
+    if description is None or description.chamber_outlines is None:
         return ""
     return f", towards the {'outlet' if port_side(description, 'outlet') > 0.0 else 'inlet'}"
 
