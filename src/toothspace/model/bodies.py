@@ -41,6 +41,8 @@ LEAST_FORCE = 1e-3
 
 CREEP_SPEED, LEAST_CREEP = 1e-3, 1e-6
 """Sliding speeds over which touching surfaces turn their friction round: regularisation. [m/s]"""
+SATURATED = 20.0
+"""Ratio from which a hyperbolic tangent is one to round-off. [-]"""
 CREEP_SHARE = 0.25
 """Most that the first of them may be of the mean sliding speed. [-]"""
 
@@ -234,7 +236,10 @@ def sliding_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
     if journal[j, col.ROTATION] < 0.0:
         return sense, 0.0
     creep = max(min(CREEP_SPEED / radius, CREEP_SHARE * abs(mean)), LEAST_CREEP / radius)
-    now = math.tanh(own_speed(s, state, j) / creep)
+    own = own_speed(s, state, j)
+    if own * mean > 0.0 and min(abs(own), abs(mean)) > SATURATED * creep:
+        return sense, 0.0
+    now = math.tanh(own / creep)
     sense += now - math.tanh(mean / creep)
     return min(max(sense, -1.0), 1.0), (1.0 - now * now) / creep
 
@@ -250,22 +255,23 @@ def hold_back(
     x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
     y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
     add_speed_slopes(s, j, x_by_speed, y_by_speed)
-    viscous, asperity = journal_torques(s, state, j)
-    s.motion[k, col.FILM_FORCE] -= viscous + asperity
     sense, by_speed = sliding_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
+        film, boundary = journal_torques(s, state, j)
+        s.motion[k, col.FILM_FORCE] -= film + boundary
         add_curve_slopes(s, state, j, sense, by_speed)
         return
     c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
     load, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    drag = shear_drag(s, j, ratio)
-    touching = journal[j, col.BOUNDARY_FRICTION] * radius
+    solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    drag = solved * full_shear_drag(s, j, ratio)
+    shear, touching = drag * own_speed(s, state, j), journal[j, col.BOUNDARY_FRICTION] * radius
+    moment = journal_pressure_torque(ex, ey, force[0], force[1])
+    s.motion[k, col.FILM_FORCE] -= shear + moment + sense * touching * load
     growth = sense * touching * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
-        solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
-        shear = drag * own_speed(s, state, j)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
     growth *= 1.0 / (c * distance)
     add_torque_slopes(
@@ -283,15 +289,11 @@ def hold_back(
 
 
 @kernel
-def shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
-    """Torque of viscous shear over speed of the journals of one body. [N m s/rad].
-
-    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
-    full one.
-    """
+def full_shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
+    """Shear torque over speed of the journals of one body with full films. [N m s/rad]."""
     row = s.journal[j]
     viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
-    shear = row[col.BEARINGS] * journal_shear_torque(
+    drag = row[col.BEARINGS] * journal_shear_torque(
         min(ratio, HIGHEST_FILM_RATIO),
         1.0,
         viscosity,
@@ -299,8 +301,7 @@ def shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
         row[col.LENGTH],
         row[col.JOURNAL_CLEARANCE],
     )
-    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
-    return float(shear * solved)
+    return float(drag)
 
 
 @kernel
@@ -309,8 +310,9 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 
     Notes
     -----
-    :func:`shear_drag` times the speed plus :func:`journal_pressure_torque`, and boundary friction
-    of the load on asperities. A bearing with a friction curve has :func:`curve_torques` instead.
+    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
+    full one, plus :func:`journal_pressure_torque`; and boundary friction of the load on asperities.
+    A bearing with a friction curve has :func:`curve_torques` instead.
     """
     journal = s.journal
     sense, _ = sliding_sense(s, state, j)
@@ -320,7 +322,8 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
         return sense * film, sense * boundary
     ex, ey = journal_place(s, state, j)
     ratio = math.sqrt(ex * ex + ey * ey) / journal[j, col.JOURNAL_CLEARANCE]
-    shear = shear_drag(s, j, ratio) * own_speed(s, state, j)
+    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    shear = solved * full_shear_drag(s, j, ratio) * own_speed(s, state, j)
     moment = journal_pressure_torque(ex, ey, journal[j, col.FILM_X], journal[j, col.FILM_Y])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
     return shear + moment, sense * journal[j, col.BOUNDARY_FRICTION] * load * journal[j, col.RADIUS]
