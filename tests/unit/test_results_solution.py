@@ -64,5 +64,5 @@ def test_what_is_no_result_is_refused_in_one_line(tmp_path: Path, name: str, fou
     (tmp_path / "text.nc").write_text("pressure", encoding="utf-8")
     with pytest.raises(CaseError) as refused:
         load_solution(tmp_path / name)
-    wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file"
+    wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file of a run or study"
     assert str(refused.value) == wanted

@@ -61,8 +61,15 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
         return write_bytes(target, content + seal)
 
 
-def read_dataset(path: str | Path) -> xr.Dataset:
+def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset:
     """Read a NetCDF file into memory, labels as text.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    allowed : str
+        What the file should be, for messages.
 
     Raises
     ------
@@ -71,14 +78,15 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    place = path_of(path, "result", "a NetCDF file")
+    place = path_of(path, "result", allowed)
     if not place.is_file():
         found = "a folder" if place.is_dir() else "no file" if place.exists() else "nothing"
-        raise CaseError(f"{path}: found {found}, allowed a NetCDF file of a run or study")
+        raise CaseError(f"{path}: found {found}, allowed {allowed}")
     intact = _is_as_written(place)
     if intact is False:
         found = "a damaged file, which differs from its checksum"
-        raise CaseError(f"{path}: found {found}, allowed a NetCDF file as it was written")
+        raise CaseError(f"{path}: found {found}, allowed {allowed} as it was written")
+    unreadable = CaseError(f"{path}: found a file that cannot be read as one, allowed {allowed}")
     try:
         if intact or _is_readable(place):
             return _with_text(
@@ -87,14 +95,8 @@ def read_dataset(path: str | Path) -> xr.Dataset:
                 )
             )
     except Exception as error:  # HDF5 without the layout of NetCDF fails anywhere in the libraries
-        raise _unreadable(path) from error
-    raise _unreadable(path)
-
-
-def _unreadable(path: str | Path) -> CaseError:
-    return CaseError(
-        f"{path}: found a file that cannot be read as one, allowed a NetCDF file of a run or study"
-    )
+        raise unreadable from error
+    raise unreadable
 
 
 def _is_as_written(path: Path) -> bool | None:

@@ -33,7 +33,7 @@ def load_solution(path: str | Path) -> Solution:
     CaseError
         If the file is missing, damaged or not a result of this package.
     """
-    dataset = read_dataset(path)
+    dataset = read_dataset(path, "a NetCDF file of a run or study")
     if "status" not in dataset.attrs or "ledger_energy" not in dataset:
         raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
     try:

@@ -68,9 +68,9 @@ def with_film_tables(
         If the file holds no film tables, or those of another machine.
     """
     try:
-        tables = read_dataset(path)
+        tables = read_dataset(path, "a NetCDF file of 'toothspace reduce'")
     except CaseError as error:
-        raise CaseError(f"run.film_tables: {error} of 'toothspace reduce'") from error
+        raise CaseError(f"run.film_tables: {error}") from error
     kinds = str(tables.attrs.get(KINDS, "")).split()
     if not kinds or not set(kinds) <= APPLIED.keys():
         found = f"run.film_tables: found {path} with {' '.join(kinds) or 'no films'}"
