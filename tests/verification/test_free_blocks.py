@@ -82,6 +82,7 @@ def test_bores_of_one_block_move_together() -> None:
     assert gaps[0] - gaps[1] == pytest.approx(12e-6, abs=2e-6)
 
 
+@pytest.mark.slow
 def test_ports_press_the_blocks_to_the_low_pressure_side() -> None:
     """Thick oil at the tips lifts them off; 1000 mm2 at 24 bar, 2.4 kN, hold them down."""
     runs = [
