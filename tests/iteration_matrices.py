@@ -1,4 +1,4 @@
-"""Check of the matrices that the iteration of the integrator is given."""
+"""Checks of the Jacobian and of the matrices that the iteration of the integrator is given."""
 
 import numpy as np
 
@@ -6,6 +6,17 @@ from tests.reference_formulas.full_jacobian import add_composition, jacobian
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
 from toothspace.model.jacobian import fill_jacobian
+from toothspace.model.system import right_hand_side
+
+
+def slope_of_rates(system: System, state: Array, column: int, step: float) -> Array:
+    """Central difference of all rates by one state."""
+    rates = np.zeros((2, system.arrays.size.total))
+    for rate, sign in zip(rates, (1.0, -1.0), strict=True):
+        moved = state.copy()
+        moved[column] += sign * step
+        right_hand_side(0.0, moved, system.arrays, rate)
+    return np.asarray((rates[0] - rates[1]) / (2.0 * step))
 
 
 def assert_iteration_agrees(system: System, state: Array) -> None:
