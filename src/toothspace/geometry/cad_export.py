@@ -178,19 +178,27 @@ def _distinct_in_single_precision(outline: Array) -> Array:
 
 def _step_bytes(section: Section, width: float) -> bytes:
     package_of_extra("OCP.STEPControl", "cad", "export: found the suffix '.step'")
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec
+    from OCP.Interface import Interface_Static
     from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
+    from OCP.TCollection import TCollection_HAsciiString
 
     from toothspace.geometry.ocp import silence_ocp
 
     silence_ocp()
     solid = BRepPrimAPI_MakePrism(step_face(section), gp_Vec(0.0, 0.0, width / _MILLIMETRE)).Shape()
+    name = section.layer.lower()
     writer = STEPControl_Writer()
+    Interface_Static.SetCVal_s("write.step.product.name", name)
     writer.Transfer(solid, STEPControl_AsIs)
+    header = APIHeaderSection_MakeHeader(writer.Model())
+    header.SetName(TCollection_HAsciiString(name))
+    header.SetOriginatingSystem(TCollection_HAsciiString("toothspace"))
+    header.SetAuthorValue(1, TCollection_HAsciiString(""))
     with tempfile.TemporaryDirectory() as folder:
-        # the name of the scratch file is written into the header
-        target = Path(folder) / f"{section.layer.lower()}.step"
+        target = Path(folder) / "gear.step"
         writer.Write(str(target))
         return target.read_bytes()
 
