@@ -186,7 +186,8 @@ def test_bodies_and_plane_of_stl(tmp_path):
 def test_plane_of_step(tmp_path):
     export_gear(generate_profile(UNDERCUT, 60), tmp_path / "gear.step", 7.5e-3)
     text = (tmp_path / "gear.step").read_text()
-    assert "PRODUCT('gear" in text and "'toothspace'" in text and "translator" not in text
+    assert "PRODUCT('gear" in text
+    assert "translator" not in text
     with pytest.raises(GeometryError, match="plane_z = 9 mm, allowed"):
         cut(tmp_path / "gear.step", plane=9e-3)
 
