@@ -16,7 +16,7 @@ from toothspace import api
 from toothspace.case import load_case
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.arrays import FLOW, HEIGHT, SystemArrays
+from toothspace.model.arrays import FILM_FORCE, FLOW, HEIGHT, MOTION_RATIO, SystemArrays
 from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import (
@@ -228,6 +228,27 @@ def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: S
     assert films["torque_loss_lateral_asperity_N_m"] > 0.0  # type: ignore[operator]
     assert films["axial_load_N"] != 0.0
     assert "lateral_leakage_factor" not in runs[0].data
+
+
+@pytest.mark.parametrize("share", [-2.0, 0.1, 1.0, 3.0])
+def test_asperities_of_the_faces_oppose_the_own_speed_of_a_gear(share: float) -> None:
+    """With compliant teeth the driven gear turns on its own; the flow past it pulls as before."""
+    case = load_case(CASE, ('run.mesh="elastic"',))
+    setup = api.set_up(replace(case, run=replace(case.run, film_tables=None)))
+    none = one_node()
+    pulling = replace(none, drag_share=none.drag_share - 1e-3)
+    rubbing = replace(none, asperity_share=none.asperity_share + 2e-3)
+    torques = []
+    for table in (none, pulling, rubbing):
+        arrays, state = _begun(setup, replace(setup.description, lateral_table=table))
+        k = int(np.argmin(arrays.motion[:, MOTION_RATIO]))
+        state[arrays.size.velocity + k] = (1.0 - share) * state[1]
+        evaluate_state(arrays, state)
+        torques.append(arrays.motion[k, FILM_FORCE])
+    assert arrays.motion[k, MOTION_RATIO] == -1.0
+    half = 0.5 * 199e5 * 1350e-6 * setup.description.lateral_balance.interfaces[0].face.outer_radius  # type: ignore[union-attr]
+    assert torques[1] - torques[0] == pytest.approx(-1e-3 * half, rel=1e-3)
+    assert torques[2] - torques[0] == pytest.approx(np.sign(share) * 2e-3 * half, rel=1e-3)
 
 
 def test_start_with_tabulated_films(tmp_path: Path) -> None:

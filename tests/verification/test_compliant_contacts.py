@@ -12,6 +12,7 @@ from tests.contact_machine import RATIO, contact_machine
 from tests.iteration_matrices import assert_iteration_agrees, slope_of_rates
 from tests.reference_formulas.full_jacobian import jacobian
 from toothspace.closures.bearing_map import build_journal_map, journal_force
+from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
     FILM_FORCE,
@@ -195,6 +196,20 @@ def test_friction_opposes_the_own_speed_of_a_body(share: float) -> None:
     right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
     assert running > 0.0
     assert journal_torques(system.arrays, state, 0)[1] == pytest.approx(np.sign(share) * running)
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.3, 1.0])
+def test_jacobian_of_a_friction_curve(share: float) -> None:
+    """Torque by the speed of the body, straight and through the force of its film."""
+    plain = ring_system()
+    machine = plain.description
+    journals = tuple(replace(journal, friction=PUBLISHED) for journal in machine.journals)
+    system = assemble(
+        replace(machine, journals=journals), plain.arrays.fluid, plain.condition
+    )
+    size, state = system.arrays.size, start_state(system)
+    state[size.velocity + 2] = (share - 1.0) * RATIO * state[1]
+    assert_derivatives(system, state)
 
 
 def test_a_body_brought_to_rest_creeps() -> None:

@@ -30,6 +30,7 @@ from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
+from toothspace.model.lateral_lookup import REACH
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 
@@ -45,6 +46,8 @@ SATURATED = 20.0
 """Ratio from which a hyperbolic tangent is one to round-off. [-]"""
 CREEP_SHARE = 0.25
 """Most that the first of them may be of the mean sliding speed. [-]"""
+CURVE_STEP = 1e-4
+"""Share of force and speed, and least speed [rad/s], of the slopes of a friction curve. [-]"""
 
 
 @kernel
@@ -181,15 +184,18 @@ def add_speed_slopes(s: SystemArrays, j: int, x_by_speed: float, y_by_speed: flo
 def update_lateral_drag(s: SystemArrays, state: Array) -> None:
     """Start the film forces with the torque of the lateral films on bodies free to turn."""
     motion, slopes, size, now = s.motion, s.film_slopes, s.size, s.lateral.now
-    stress = s.drive[col.DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
     for k in range(size.motions):
         for m in range(size.motions):
             slopes[0, k, m] = slopes[1, k, m] = 0.0
-        drag = motion[k, col.LATERAL_DRAG] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
-        turning = motion[k, col.MOTION_RATIO] * state[1] + state[size.velocity + k]
-        held = motion[k, col.LATERAL_DRAG] * motion[k, col.MOTION_RATIO] * stress
-        motion[k, col.FILM_FORCE] = -drag * turning - held
-        slopes[1, k, k] = -drag
+        share, ratio = motion[k, col.LATERAL_DRAG], motion[k, col.MOTION_RATIO]
+        drag = share * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+        turning = ratio * state[1] + state[size.velocity + k]
+        # what pressure drives along the faces pulls at them however they turn
+        pulled = share * ratio * s.drive[col.DIRECTION] * now[DRAG_STRESS]
+        rubbing = share * abs(ratio) * now[ASPERITY_STRESS]
+        sense, by_speed = face_sense(s, state, k)
+        motion[k, col.FILM_FORCE] = -drag * turning - pulled - rubbing * sense
+        slopes[1, k, k] = -drag - rubbing * by_speed
 
 
 @kernel
@@ -217,26 +223,54 @@ def own_speed(s: SystemArrays, state: Array, j: int) -> float:
 
 
 @kernel
-def sliding_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
-    r"""Sense in which the surfaces of a bearing slide, -1 to 1, and its slope by speed. [s/rad].
+def journal_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Sense in which the surfaces of a bearing slide, -1 to 1, and its slope by speed. [s/rad]."""
+    journal = s.journal[j]
+    ratio, radius = journal[col.SPEED_RATIO], journal[col.RADIUS]
+    sense = np.sign(ratio) * s.drive[col.DIRECTION]
+    if journal[col.ROTATION] < 0.0:
+        return sense, 0.0
+    return sliding_sense(sense, ratio * state[1], own_speed(s, state, j), radius)
+
+
+@kernel
+def face_sense(s: SystemArrays, state: Array, k: int) -> tuple[float, float]:
+    """Sense in which the faces of a body free to turn slide, and its slope by speed. [s/rad]."""
+    ratio = s.motion[k, col.MOTION_RATIO]
+    sense, mean = np.sign(ratio) * s.drive[col.DIRECTION], ratio * state[1]
+    if s.lateral.counts.size == 0 or ratio == 0.0:
+        return sense, 0.0
+    own = mean + state[s.size.velocity + k]
+    return sliding_sense(sense, mean, own, s.lateral.scales[REACH])
+
+
+@kernel
+def sliding_sense(sense: float, mean: float, own: float, radius: float) -> tuple[float, float]:
+    r"""Sense in which the surfaces of a body that turns on its own slide, and its slope by speed.
+
+    Parameters
+    ----------
+    sense : float
+        That of the shaft, times the sign of the body's ratio i. [-]
+    mean, own : float
+        Speed of the shaft times that ratio, and the body's own. [rad/s]
+    radius : float
+        Where the surfaces slide. [m]
+
+    Returns
+    -------
+    tuple of float
+        Sense from -1 to 1 [-], slope [s/rad].
 
     Notes
     -----
-    That of the shaft, but for a body that turns on its own with :math:`\dot q`:
-
     .. math:: \operatorname{sgn}(i\,\omega) + \tanh\frac{i\,\omega + \dot q}{\omega_c}
         - \tanh\frac{i\,\omega}{\omega_c}
 
     so that friction brings it to rest, at a creeping speed :math:`\omega_c`, but never turns it
     backwards.
     """
-    journal = s.journal
-    mean, radius = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.RADIUS]
-    sense = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
-    if journal[j, col.ROTATION] < 0.0:
-        return sense, 0.0
     creep = max(min(CREEP_SPEED / radius, CREEP_SHARE * abs(mean)), LEAST_CREEP / radius)
-    own = own_speed(s, state, j)
     if own * mean > 0.0 and min(abs(own), abs(mean)) > SATURATED * creep:
         return sense, 0.0
     now = math.tanh(own / creep)
@@ -255,11 +289,11 @@ def hold_back(
     x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
     y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
     add_speed_slopes(s, j, x_by_speed, y_by_speed)
-    sense, by_speed = sliding_sense(s, state, j)
+    sense, by_speed = journal_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
         film, boundary = journal_torques(s, state, j)
         s.motion[k, col.FILM_FORCE] -= film + boundary
-        add_curve_slopes(s, state, j, sense, by_speed)
+        add_curve_slopes(s, state, j, (x_by_speed, y_by_speed), (sense, by_speed))
         return
     c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
@@ -315,10 +349,10 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     A bearing with a friction curve has :func:`curve_torques` instead.
     """
     journal = s.journal
-    sense, _ = sliding_sense(s, state, j)
+    sense, _ = journal_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
         force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
-        film, boundary = curve_torques(s, state, j, force)
+        film, boundary = curve_torques(s, j, abs(own_speed(s, state, j)), force)
         return sense * film, sense * boundary
     ex, ey = journal_place(s, state, j)
     ratio = math.sqrt(ex * ex + ey * ey) / journal[j, col.JOURNAL_CLEARANCE]
@@ -330,7 +364,7 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 
 
 @kernel
-def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[float, float]:
+def curve_torques(s: SystemArrays, j: int, speed: float, force: float) -> tuple[float, float]:
     r"""Film and boundary friction torque from a curve over the Sommerfeld number. [N m].
 
     Notes
@@ -343,7 +377,6 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     """
     row = s.journal[j]
     radius = row[col.RADIUS]
-    speed = abs(own_speed(s, state, j))
     load, clearance = max(force, LEAST_FORCE) / row[col.BEARINGS], row[col.JOURNAL_CLEARANCE]
     viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
     number = sommerfeld_number(speed, load, viscosity, radius, row[col.LENGTH], clearance)
@@ -382,22 +415,41 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 
 
 @kernel
-def add_curve_slopes(s: SystemArrays, state: Array, j: int, sense: float, by_speed: float) -> None:
+def add_curve_slopes(
+    s: SystemArrays,
+    state: Array,
+    j: int,
+    force_by_speed: tuple[float, float],
+    sliding: tuple[float, float],
+) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
-    journal, slopes = s.journal, s.film_slopes
+    journal, slopes, own = s.journal, s.film_slopes, own_speed(s, state, j)
     kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
     fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
-    force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
-    step = 1e-4 * force
-    film, boundary = curve_torques(s, state, j, force + step)
-    less_film, less_boundary = curve_torques(s, state, j, force - step)
-    growth = sense * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    force, speed = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE), abs(own)
+    sense, by_speed = sliding
+    growth = sense * _curve_slope(s, j, (speed, force), (0.0, CURVE_STEP * force))
+    quicker = _curve_slope(s, j, (speed, force), (max(CURVE_STEP * speed, CURVE_STEP), 0.0))
+    film, boundary = curve_torques(s, j, speed, force)
     k = int(journal[j, col.ROTATION])
-    slopes[1, k, k] -= by_speed * (film + boundary)
+    slopes[1, k, k] -= by_speed * (film + boundary) + sense * np.sign(own) * quicker
+    slopes[1, k, k] -= growth * (fx * force_by_speed[0] + fy * force_by_speed[1]) / force
     for order in range(2):
         rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
         rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
         add_torque_slopes(s, j, order, growth * rise_x, growth * rise_y)
+
+
+@kernel
+def _curve_slope(
+    s: SystemArrays, j: int, at: tuple[float, float], step: tuple[float, float]
+) -> float:
+    """Difference of the torque of a friction curve about a speed and force, over its step."""
+    low = max(at[0] - step[0], 0.0)
+    film, boundary = curve_torques(s, j, at[0] + step[0], at[1] + step[1])
+    less_film, less_boundary = curve_torques(s, j, low, at[1] - step[1])
+    span = at[0] - low + step[0] + 2.0 * step[1]
+    return (film + boundary - less_film - less_boundary) / span
 
 
 @kernel

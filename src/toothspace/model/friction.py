@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from toothspace.closures.traction import mesh_friction
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
+from toothspace.model.bodies import face_sense
 from toothspace.model.drive import running_torque, startup_torque, taken_torque
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import (
@@ -117,10 +120,14 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
         drag = motion[k, col.LATERAL_DRAG] * viscosity
         turning, ahead = motion[k, col.MOTION_RATIO] * speed, state[s.size.velocity + k]
         ledger[FRICTION + LATERAL_VISCOUS] += drag * (2.0 * turning + ahead) * ahead
-        held = way * motion[k, col.LATERAL_DRAG] * motion[k, col.MOTION_RATIO] * ahead
-        ledger[FRICTION + LATERAL_VISCOUS] += held * now[DRAG_STRESS]
-        ledger[FRICTION + LATERAL_ASPERITY] += held * now[ASPERITY_STRESS]
-        total += motion[k, col.MOTION_RATIO] * drag * ahead
+        share, ratio = motion[k, col.LATERAL_DRAG], motion[k, col.MOTION_RATIO]
+        ledger[FRICTION + LATERAL_VISCOUS] += way * share * ratio * ahead * now[DRAG_STRESS]
+        sense, _ = face_sense(s, state, k)
+        rubbing = share * abs(ratio) * now[ASPERITY_STRESS]
+        ledger[FRICTION + LATERAL_ASPERITY] += rubbing * sense * ahead
+        other = fade * ratio * rubbing * (sense - np.sign(ratio) * way)
+        torque[LATERAL_ASPERITY] += other
+        total += ratio * drag * ahead + other
     load_mesh(s, state, driving + total)
     torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)
     for mechanism in _BOOKED:

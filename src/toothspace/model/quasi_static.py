@@ -54,21 +54,22 @@ def bush_positions(
     motion_map: Array,
     free: list[int],
 ) -> dict[str, tuple[float, float]]:
-    """Positions of the bearing blocks: at the end of their seat along the mean load. [m]."""
+    """Positions of the bearing blocks: at the end of their seat along the mean load. [m].
+
+    A block carries the bearings of all bodies, so that it is their sum that presses it.
+    """
     if not free:
         return {}
     force = mean_force(description, condition) @ motion_map
-    result = {}
+    load, seats = np.zeros(2), {}
     for journal in description.journals:
-        if description.motion_index(journal.body, "x") not in free:
-            continue
-        kx = free.index(description.motion_index(journal.body, "x"))
-        ky = free.index(description.motion_index(journal.body, "y"))
-        load = np.array([force[kx], force[ky]])
-        size = float(np.hypot(*load))
-        direction = load / size if size > 0.0 else np.zeros(2)
-        result[journal.body] = tuple(journal.seat_clearance * direction)
-    return result
+        places = [description.motion_index(journal.body, axis) for axis in ("x", "y")]
+        if places[0] in free:
+            load += [force[free.index(place)] for place in places]
+            seats[journal.body] = journal.seat_clearance
+    size = float(np.hypot(*load))
+    x, y = load / size if size > 0.0 else load
+    return {body: (clearance * x, clearance * y) for body, clearance in seats.items()}
 
 
 def mean_force(description: MachineDescription, condition: OperatingCondition) -> Array:

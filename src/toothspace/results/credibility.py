@@ -151,10 +151,11 @@ def _bodies(solution: Solution) -> Iterator[str]:
         yield from _pull(data["contact_force"]) if rigid else _impacts(data)
     if "seat_position" in data and "journal_force" in data:
         rest = [d for d in data["journal_force"].dims if d not in ("body", "axis")]
-        carried = -(data["journal_force"].mean(rest) * data["seat_position"]).sum("axis")
-        for body in data["body"].values[(carried < 0.0).values]:
+        # each block holds the bearings of all bodies
+        carried = -(data["journal_force"].mean(rest) * data["seat_position"]).sum()
+        if carried < 0.0:
             yield (
-                f"The bearing blocks of {str(body).replace('_', ' ')} lean against the side away "
+                "The bearing blocks lean against the side away "
                 "from their mean load: they are seated once, for pressures at rest. Set "
                 "machine.mode to the way the machine runs, or let them follow their load, "
                 'machine.bearing_blocks.motion = "free".'
