@@ -18,6 +18,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -219,11 +220,10 @@ def marched(ready: Prepared, kind: Callable[[March], Any]) -> Any:
     return kept[0]
 
 
-def part_times(march: March) -> dict[str, float]:
-    """Processor time of one call of each part at the end of a march. [us]."""
-    arrays, memory, program = march.system.arrays, march.state, march.program
-    record = record_at(numba.typeof(arrays))
-    lu_record, memory_record = record_at(numba.typeof(program)), record_at(numba.typeof(memory))
+@cache
+def loop_of(kinds: tuple[Any, ...]) -> Callable[..., None]:
+    """Loop over one part, for systems, programs and memories of given types."""
+    record, lu_record, memory_record = (record_at(kind) for kind in kinds)
 
     @njit
     def loop(part, count, kind, time, address, lu_address, memory_address, y, rate):  # type: ignore[no-untyped-def]
@@ -243,6 +243,13 @@ def part_times(march: March) -> dict[str, float]:
             else:
                 finish_step(time, y, s, rate, m.weights, m.events[1])
 
+    return loop  # type: ignore[no-any-return]
+
+
+def part_times(march: March) -> dict[str, float]:
+    """Processor time of one call of each part at the end of a march. [us]."""
+    arrays, memory, program = march.system.arrays, march.state, march.program
+    loop = loop_of(tuple(numba.typeof(one) for one in (arrays, program, memory)))
     blocks = [block_of(one) for one in (arrays, program, memory)]
     addresses = [block.ctypes.data for block in blocks]
     kind, at = int(memory.control["dense_factors"][0]), float(memory.control["time"][0])
