@@ -54,9 +54,9 @@ validate: $(READY)  ## run slow tests and validation against published numbers
 	mkdir -p build
 	$(BIN)/toothspace validate -o build/validation_book.html --force
 
-bench: $(READY)  ## print the table of benchmarks, write that of the speed page
+bench: $(READY)  ## print the table of benchmarks, write the speed pages
 	$(BIN)/python -m benchmarks
-	$(BIN)/python -m benchmarks.speed --store
+	for part in speed goals steps scaling; do $(BIN)/python -m benchmarks.$$part --store || exit 1; done
 
 $(DOCS_READY): $(READY) requirements/docs.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/lock.txt -r requirements/docs.txt

@@ -211,6 +211,13 @@ def peers(matrix: sp.csr_matrix, b: np.ndarray, own: float) -> None:
         print(f"  MKL Pardiso                        {pardiso:8.0f} {pardiso / own:8.1f}")
 
 
+def bandwidths(cells: int, count: int, milliseconds: float) -> tuple[float, float]:
+    """What a solution of some iterations moves, and what a triad of its size moves. [GB/s]."""
+    moved = count * (BYTES_PER_ITERATION + BYTES_PER_PROJECTION * (count + 1) / 2.0)
+    triad = bandwidth(int((BYTES_OF_SYSTEM + BYTES_PER_STEP * count) * cells / 24.0))
+    return 1e-6 * cells * moved / milliseconds, triad
+
+
 def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
     print(f"Masked lateral film, residual 1e-8, {THREADS} thread(s); a triad of the same size, one")
     print("      cells   setup   solve    warm  iterations  us/cell  GB/s  triad  fraction")
@@ -218,9 +225,7 @@ def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
         balance, free = toothed_film(rows, lanes)
         stencil, rhs = right_side(balance, free)
         setup, solve, warm, count = multigrid_time(balance, stencil, free, rhs)
-        moved = count * (BYTES_PER_ITERATION + BYTES_PER_PROJECTION * (count + 1) / 2.0)
-        traffic = 1e-6 * free.size * moved / solve
-        triad = bandwidth(int((BYTES_OF_SYSTEM + BYTES_PER_STEP * count) * free.size / 24.0))
+        traffic, triad = bandwidths(free.size, count, solve)
         print(
             f"  {free.size:9d} {setup:7.1f} {solve:7.1f} {warm:7.1f} {count:11d} "
             f"{1e3 * (setup + solve) / free.size:8.2f} {traffic:5.1f} {triad:6.1f} "

@@ -147,7 +147,7 @@ def workers() -> list[str]:
     case = ts.Case.from_toml(f"{text}\n[study]\n{MAP}", label="map")
     points = 16
     run_study(ts.Case.from_toml(f"{text}\n[study]\n{MAP.replace('4}', '2}')}", label="map"))
-    found = {count: _study_seconds(case, count) for count in WORKERS}
+    found = {count: study_seconds(case, count) for count in WORKERS}
     alone, two = found[1][0], found[2]
     own, inside = two[0] - two[1], two[1]
     start = max(inside - alone, 0.0) / 2.0
@@ -170,7 +170,7 @@ def workers() -> list[str]:
     return lines
 
 
-def _study_seconds(case: ts.Case, count: int) -> tuple[float, float]:
+def study_seconds(case: ts.Case, count: int) -> tuple[float, float]:
     """Processor time of a study in all processes, and in its workers."""
     before = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     run_study(case, workers=count)

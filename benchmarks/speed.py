@@ -76,41 +76,51 @@ def timed(call: Callable[[], object]) -> float:
     return time.process_time() - began
 
 
-def integrators(name: str, problem: Problem, tolerance: float) -> Iterator[Figure]:
-    """One revolution at a tolerance, and the peers at the error that it reaches."""
+def integrators(
+    name: str,
+    problem: Problem,
+    tolerance: float,
+    names: tuple[str, ...] = ("SUNDIALS CVODE", "SciPy LSODA"),
+    factors: tuple[float, ...] = (10.0, 1.0, 0.1),
+) -> Iterator[Figure]:
+    """A march at a tolerance, and peers at the error that it reaches, from several tolerances."""
     reference = problem.pressures(run_package(problem, REFERENCE_TOLERANCE)[1])
-    peers: dict[str, Callable[[float], Run]] = {
+    runs: dict[str, Callable[[float], Run]] = {
         "SUNDIALS CVODE": lambda t: run_cvode(problem, t),
         "SciPy LSODA": lambda t: run_scipy(problem, t, "LSODA", analytic=True),
     }
+    peers = {peer: runs[peer] for peer in names}
     own = outcome_of("toothspace", problem, tolerance, run_package(problem, tolerance), reference)
     found: dict[str, list[Outcome]] = {peer: [] for peer in peers}
     for run in peers.values():
         run(tolerance)  # compiles
-    for factor in (10.0, 1.0, 0.1):
+    for factor in factors:
         for peer, run in peers.items():
             finished = run(factor * tolerance)
             outcome = outcome_of(peer, problem, factor * tolerance, finished, reference)
             found[peer].append(outcome)
+    middle = factors[len(factors) // 2]
     for peer, run in peers.items():
-        own_seconds, at_tolerance = in_turn(
-            lambda: run_package(problem, tolerance)[0], lambda r=run: r(tolerance)[0]
+        own_seconds, in_the_middle = in_turn(
+            lambda: run_package(problem, tolerance)[0], lambda r=run: r(middle * tolerance)[0]
         )
-        middle = found[peer][1].seconds
+        then = found[peer][len(factors) // 2].seconds
         equal = seconds_at_error(found[peer], peer, own.root_mean_square_error)
         remark = f"{own.rhs_calls} right-hand sides, error {own.root_mean_square_error:.1e} bar"
-        yield Figure(name, peer, own_seconds, at_tolerance * equal / middle, remark)
+        yield Figure(name, peer, own_seconds, in_the_middle * equal / then, remark)
 
 
 def running_motor() -> Iterator[Figure]:
-    """A motor in its circuit with a free shaft against CVODE at the same tolerance."""
-    motor = bench_startup.RunningMotor()
-    tolerance = bench_startup.TOLERANCE
-    own, peer = in_turn(
-        lambda: run_package(motor, tolerance)[0], lambda: run_cvode(motor, tolerance)[0]
-    )
+    """A motor in its circuit with a free shaft.
+
+    CVODE's iteration fails so often at ten times the tolerance, or just below it, that its time
+    says nothing there: 37 s were seen. It is asked for more.
+    """
     task = f"Motor in its circuit, {bench_startup.RUNNING} s at 300 rpm"
-    yield Figure(task, "SUNDIALS CVODE", own, peer, f"at a tolerance of {tolerance:.0e}")
+    tolerance = bench_startup.TOLERANCE
+    yield from integrators(
+        task, bench_startup.RunningMotor(), tolerance, ("SUNDIALS CVODE",), (1.0, 0.1, 0.01)
+    )
 
 
 def lateral_film() -> Iterator[Figure]:

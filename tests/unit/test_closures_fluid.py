@@ -20,11 +20,13 @@ from toothspace.closures.density import (
     mixture_pressure,
     mixture_specific_volume,
 )
+from toothspace.closures.exponential import exponential_rise, logarithm
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import (
     barus_viscosity,
     dynamic_viscosity,
+    throttling_viscosity,
     walther_constants,
     walther_viscosity,
 )
@@ -132,6 +134,31 @@ def test_both_laws_of_viscosity_are_one_up_to_50_megapascal() -> None:
     pressure = np.linspace(0.0, 50e6, 11)
     barus = barus_viscosity(pressure, law.dynamic_viscosity, law.pressure_viscosity, 20.0)
     assert dynamic_viscosity(pressure, law) == pytest.approx(barus, rel=1e-3)
+
+
+def test_rise_of_the_exponential_function() -> None:
+    exponent = np.concatenate([-np.logspace(-12, 1, 40), np.logspace(-12, 1, 40)])
+    error = np.abs(exponential_rise(exponent) - np.expm1(exponent)) / np.exp(exponent)
+    assert error[np.abs(exponent) <= 4.0].max() < 2e-14
+    assert error.max() < 3e-10
+    assert exponential_rise(0.0) == 0.0
+
+
+def test_logarithm_of_bits() -> None:
+    value = np.concatenate([np.logspace(-300, 300, 2001), 1.0 + np.linspace(-0.5, 0.5, 1001)])
+    exact = np.log(value)
+    error = np.abs(logarithm(value) - exact) / np.maximum(1.0, np.abs(exact))
+    assert error.max() < 5e-16
+    assert logarithm(1.0) == 0.0
+
+
+def test_heated_throat_has_the_mean_of_the_reciprocal_viscosity() -> None:
+    """Integral of 1/mu over a drop of 200 bar, at which pressure and heat change mu, by sums."""
+    law, drop = law_of("iso_vg_46", 50), 2e7
+    heating = law.viscosity_temperature / (law.reference_density * law.specific_heat_capacity)
+    left = (np.arange(20_000) + 0.5) / 20_000
+    mean = np.mean(np.exp((law.pressure_viscosity + heating) * drop * left)) / 0.03
+    assert throttling_viscosity(0.03, drop, law) == pytest.approx(1.0 / mean, rel=1e-8)
 
 
 def test_dowson_higginson_density() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.closures.exponential import exponential_rise
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import inlined
 
@@ -46,17 +47,17 @@ def dynamic_viscosity(pressure: Any, law: FluidLaw) -> Any:
     share = pressure / HIGHEST_PRESSURE
     fourth = share * share * share * share
     limited = pressure / np.sqrt(np.sqrt(np.sqrt(1.0 + fourth * fourth)))
-    return law.dynamic_viscosity * np.exp(law.pressure_viscosity * limited)
+    return law.dynamic_viscosity * (1.0 + exponential_rise(law.pressure_viscosity * limited))
 
 
 @inlined
-def throttling_viscosity(upstream_pressure: Any, pressure_drop: Any, law: FluidLaw) -> Any:
+def throttling_viscosity(upstream_viscosity: Any, pressure_drop: Any, law: FluidLaw) -> Any:
     r"""Effective viscosity in a short throat that heats its own flow.
 
     Parameters
     ----------
-    upstream_pressure : float or ndarray
-        Absolute pressure before the throat. [Pa]
+    upstream_viscosity : float or ndarray
+        Dynamic viscosity before the throat. [Pa s]
     pressure_drop : float or ndarray
         Upstream minus downstream pressure, zero or positive. [Pa]
     law : FluidLaw
@@ -86,7 +87,7 @@ def throttling_viscosity(upstream_pressure: Any, pressure_drop: Any, law: FluidL
     """
     heating = law.viscosity_temperature / (law.reference_density * law.specific_heat_capacity)
     y = (law.pressure_viscosity + heating) * pressure_drop + 1e-9
-    return dynamic_viscosity(upstream_pressure, law) * y / np.expm1(y)
+    return upstream_viscosity * y / exponential_rise(y)
 
 
 @inlined

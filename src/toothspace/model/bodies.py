@@ -33,6 +33,7 @@ from toothspace.model.arrays import SystemArrays
 from toothspace.model.lateral_lookup import REACH
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
+from toothspace.numerics.static_lu import summing_kernel
 
 SMALL_RATIO = 1e-9
 HIGHEST_FILM_RATIO = 0.999
@@ -50,18 +51,15 @@ CURVE_STEP = 1e-4
 """Share of force and speed, and least speed [rad/s], of the slopes of a friction curve. [-]"""
 
 
-@kernel
+@summing_kernel
 def update_pressure_forces(s: SystemArrays) -> None:
     """Sum the chamber pressures into the generalised force on every free motion."""
     node, values, motion, size = s.node, s.chamber_values, s.motion, s.size
     for k in range(size.motions):
         force = 0.0
         for i in range(size.chambers):
-            force += (
-                node[i, col.PRESSURE]
-                * node[i, col.VOLUME_SHARE]
-                * values[i, col.CHANNEL_MOTION + k]
-            )
+            pressure = node[i, col.PRESSURE] * node[i, col.VOLUME_SHARE]
+            force += pressure * values[i, col.CHANNEL_MOTION + k]
         motion[k, col.PRESSURE_FORCE] = force
 
 

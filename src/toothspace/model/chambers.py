@@ -33,17 +33,19 @@ def update_volumes(s: SystemArrays, state: Array) -> None:
     """Volumes of all chambers and their derivative with respect to the shaft angle."""
     node, values, slopes, size = s.node, s.chamber_values, s.chamber_slopes, s.size
     for i in range(size.chambers):
-        volume = values[i, col.CHANNEL_VOLUME]
-        slope = slopes[i, col.CHANNEL_VOLUME]
-        for k in range(size.motions):
-            q = state[size.position + k]
-            volume += values[i, col.CHANNEL_MOTION + k] * q
-            slope += slopes[i, col.CHANNEL_MOTION + k] * q
-        least = node[i, col.LEAST_VOLUME]
+        node[i, col.VOLUME] = values[i, col.CHANNEL_VOLUME]
+        node[i, col.VOLUME_RATE] = slopes[i, col.CHANNEL_VOLUME]
+    for k in range(size.motions):
+        q = state[size.position + k]
+        for i in range(size.chambers):
+            node[i, col.VOLUME] += values[i, col.CHANNEL_MOTION + k] * q
+            node[i, col.VOLUME_RATE] += slopes[i, col.CHANNEL_MOTION + k] * q
+    for i in range(size.chambers):
+        volume, least = node[i, col.VOLUME], node[i, col.LEAST_VOLUME]
         share = min(max(0.5 * volume / least, 0.0), 1.0)
         node[i, col.VOLUME_SHARE] = share
         node[i, col.VOLUME] = max(volume, least * (1.0 + share * share))
-        node[i, col.VOLUME_RATE] = share * slope
+        node[i, col.VOLUME_RATE] *= share
 
 
 @kernel

@@ -122,8 +122,10 @@ def heat_throats(s: SystemArrays) -> None:
     node, path, index, fluid = s.node, s.path, s.open_index, s.fluid
     for j in range(s.open_kinds[col.PARALLEL_GAP]):
         a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
-        upstream = max(node[a, col.PRESSURE], node[b, col.PRESSURE])
-        path[j, col.MEAN_VISCOSITY] = throttling_viscosity(upstream, abs(path[j, col.DROP]), fluid)
+        # viscosity grows with pressure: the larger one is that upstream
+        root = max(node[a, col.ROOT_VISCOSITY], node[b, col.ROOT_VISCOSITY])
+        drop = abs(path[j, col.DROP])
+        path[j, col.MEAN_VISCOSITY] = throttling_viscosity(root * root, drop, fluid)
 
 
 @kernel
@@ -144,25 +146,32 @@ def update_heights(s: SystemArrays, state: Array) -> None:
         path[j, col.RUNNING_HEIGHT], path[j, col.HEIGHT_FACTOR] = height, factor
 
 
+@merged
+def note_curved_gap(path: Array, j: int, width: float, found: float, power: float) -> None:
+    """Keep the conductance of a gap between curved walls, zero where it is closed."""
+    height, conductance = path[j, col.RUNNING_HEIGHT], found if width > CLOSED_GAP else 0.0
+    path[j, col.CONDUCTANCE] = conductance
+    path[j, col.OPENING] = SMOOTH_THROAT * width * height
+    path[j, col.BY_HEIGHT] = power * conductance / height * path[j, col.HEIGHT_FACTOR]
+
+
 @kernel
 def update_gap_conductances(s: SystemArrays) -> None:
     """Laminar conductance of all gaps and its derivative with respect to the height."""
     path, values, kinds = s.path, s.path_values, s.open_kinds
     fitted, parallel, gaps = kinds[col.FITTED_GAP], kinds[col.PARALLEL_GAP], kinds[col.ORIFICE]
-    for j in range(parallel):
+    for j in range(fitted):
         width, height = values[j, 1], path[j, col.RUNNING_HEIGHT]
         radius = values[j, 2] if width > CLOSED_GAP else 1.0
-        if j < fitted:
-            power = 2.5
-            found = curved_gap_conductance(height, width, radius, path[j, col.MEAN_VISCOSITY])
-        else:
-            power = FITTED_POWER
-            found = fitted_gap_conductance(height, width, radius, path[j, col.MEAN_VISCOSITY])
-        power = power if height < NARROW * radius else 2.0
-        conductance = found if width > CLOSED_GAP else 0.0
-        path[j, col.CONDUCTANCE] = conductance
-        path[j, col.OPENING] = SMOOTH_THROAT * width * height
-        path[j, col.BY_HEIGHT] = power * conductance / height * path[j, col.HEIGHT_FACTOR]
+        found = curved_gap_conductance(height, width, radius, path[j, col.MEAN_VISCOSITY])
+        power = 2.5 if height < NARROW * radius else 2.0
+        note_curved_gap(path, j, width, found, power)
+    for j in range(fitted, parallel):
+        width, height = values[j, 1], path[j, col.RUNNING_HEIGHT]
+        radius = values[j, 2] if width > CLOSED_GAP else 1.0
+        found = fitted_gap_conductance(height, width, radius, path[j, col.MEAN_VISCOSITY])
+        power = FITTED_POWER if height < NARROW * radius else 2.0
+        note_curved_gap(path, j, width, found, power)
     for j in range(parallel, gaps):
         width, height = values[j, 1], path[j, col.RUNNING_HEIGHT]
         length = values[j, 2] if width > CLOSED_GAP else 1.0
