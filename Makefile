@@ -6,6 +6,8 @@ READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs_ready
 WORKERS ?= 2
 DEMO := demo_report
+# Byte code must be kept: without it every program reads the sources of all packages again.
+export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo kernels test sample validate bench docs lint format clean

@@ -67,8 +67,14 @@ def start(arguments: list[str], before: Callable[[], None] | None = None) -> psu
     )
 
 
-def finish(process: psutil.Popen) -> tuple[int, str]:
-    _, messages = process.communicate(timeout=20 * _GRACE)
+def finish(process: psutil.Popen, longest: float = 20 * _GRACE) -> tuple[int, str]:
+    """Exit code and messages; one that does not end in its time [s] counts as a crash."""
+    try:
+        _, messages = process.communicate(timeout=longest)
+    except subprocess.TimeoutExpired:
+        for one in (*process.children(recursive=True), process):
+            one.kill()
+        return 1, f"still there after {longest:g} s"
     return process.returncode, messages
 
 
@@ -96,7 +102,7 @@ def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -
         time.sleep(draw.uniform(0.0, longest))
         family = process.children(recursive=True) if process.is_running() else []
         process.send_signal(end)
-        code, messages = finish(process)
+        code, messages = finish(process, 4 * _GRACE)
         _, left = psutil.wait_procs(family, timeout=_GRACE)
         found = [f"process {one.pid} is left" for one in left]
         for one in left:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from tests.study_cases import Answer, answer
 from toothspace import api
 from toothspace.case import Case
+from toothspace.plotting.catalogue import FigureEntry, available_figures
+from toothspace.report import html
 
 
 @pytest.fixture
@@ -20,3 +24,13 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
 
     monkeypatch.setattr(api, "simulate", simulate)
     return seen
+
+
+@pytest.fixture
+def few_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports show the figures of one chapter only: to draw all takes seconds."""
+
+    def some(*given: Any) -> list[FigureEntry]:
+        return [entry for entry in available_figures(*given) if entry.chapter == "ripple"]
+
+    monkeypatch.setattr(html, "available_figures", some)

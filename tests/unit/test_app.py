@@ -120,6 +120,7 @@ def test_files_elsewhere_are_refused(server: FormServer, tmp_path_factory: Any) 
         assert "allowed a file in" in json.loads(content)["problems"][0]
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_run_gives_numbers_report_and_files(server: FormServer) -> None:
     assert _ask(server, "/result.nc")[0] == 422
     tables = {**server.session.tables("egm12_pump"), "run": {"fidelity": "ideal"}}

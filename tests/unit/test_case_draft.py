@@ -53,10 +53,13 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return [*gears, solid(folder / "casing.stl", block)]
 
 
-def test_pump_of_several_files_becomes_a_case(parts: list[Path]) -> None:
-    folder = parts[0].parent
-    target = folder / "pump.toml"
-    target.write_text(api.draft_case(parts, "mm", SectionRequest(), folder))
+def test_pump_of_several_files_becomes_a_case(
+    parts: list[Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = parts[0].parent / "pump.toml"
+    given = ["gear", *map(str, parts), "--case", str(target)]
+    assert main(given) == 0
+    assert "center_distance_mm" in capsys.readouterr().out
     case = load_case(target)
     spec = case.machine_spec
     assert spec.center_distance == pytest.approx(DISTANCE, abs=1e-8)
@@ -66,6 +69,10 @@ def test_pump_of_several_files_becomes_a_case(parts: list[Path]) -> None:
     # without the number, the distance follows from the frame that the files share
     alone = case.replace({"machine.gears.center_distance": None})
     assert alone.machine_spec.center_distance == pytest.approx(DISTANCE, abs=1e-8)
+    before = target.read_text()
+    assert main(given) == 2
+    assert "--case: found" in capsys.readouterr().err
+    assert target.read_text() == before
 
 
 def test_bore_of_a_mesh_seals_as_the_circle_that_was_meshed() -> None:
@@ -87,19 +94,6 @@ def test_single_gear_meshes_with_its_equal(tmp_path: Path) -> None:
     assert "module 2.75 mm, pressure angle 20 deg, profile shift 0.3" in text
     (tmp_path / "pump.toml").write_text(text)
     assert load_case(tmp_path / "pump.toml").machine_spec.drive.tooth.tooth_count == 12
-
-
-def test_command_writes_beside_and_keeps_what_exists(
-    parts: list[Path], capsys: pytest.CaptureFixture[str]
-) -> None:
-    target = parts[0].parent / "case.toml"
-    given = ["gear", *map(str, parts), "--case", str(target)]
-    assert main(given) == 0
-    assert "center_distance_mm" in capsys.readouterr().out
-    before = target.read_text()
-    assert main(given) == 2
-    assert "--case: found" in capsys.readouterr().err
-    assert target.read_text() == before
 
 
 def test_files_without_a_machine_are_named(tmp_path: Path) -> None:

@@ -165,9 +165,8 @@ def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
     run_python(USE, tmp_path)
     (path,) = kept(tmp_path)
     sound = path.read_bytes()
-    for damaged in (b"", b"no entry", sound[: len(sound) // 2]):
-        path.write_bytes(damaged)
-        assert run_python(USE, tmp_path) == "5.0 0"
+    path.write_bytes(sound[: len(sound) // 2])
+    assert run_python(USE, tmp_path) == "5.0 0"
     assert run_python(USE, tmp_path) == "5.0 1"
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
+import time
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +93,25 @@ def test_a_signal_waits_for_the_end_of_the_body() -> None:
         body()
     assert done == ["body"]
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+def test_a_signal_inside_an_import_waits_for_its_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Raised between the lock of imports and its release, it leaves a lock for ever."""
+    text = (
+        "import signal, time\nsignal.raise_signal(signal.SIGTERM)\ntime.sleep(0.1)\ndone = True\n"
+    )
+    (tmp_path / "slowly_imported.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def body() -> None:
+        import_module("slowly_imported")
+        time.sleep(10.0)
+
+    with ending_interrupts(), pytest.raises(KeyboardInterrupt):
+        body()
+    assert sys.modules.pop("slowly_imported").done
 
 
 def test_other_threads_are_left_alone() -> None:

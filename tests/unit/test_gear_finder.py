@@ -136,7 +136,7 @@ def test_helix_angle_is_found(tmp_path: Path, angle: float) -> None:
 
 
 def test_text_stl_with_few_digits_is_closed_by_merging(tmp_path: Path) -> None:
-    mesh = gear_mesh()
+    mesh = gear_mesh(points=80)
     noisy = mesh.triangles + 2e-6 * np.random.default_rng(3).uniform(-1, 1, mesh.triangles.shape)
     lines = ["solid gear"]
     for triangle in noisy:
@@ -148,6 +148,7 @@ def test_text_stl_with_few_digits_is_closed_by_merging(tmp_path: Path) -> None:
     assert found.detected.profile.base_radius == pytest.approx(MOTOR.base_radius, abs=1.5e-6)
 
 
+@pytest.mark.slow
 def test_many_triangles_are_cut_in_seconds(tmp_path: Path) -> None:
     mesh = gear_mesh(layers=120, points=200)
     assert len(mesh.faces) > 550_000
@@ -164,10 +165,9 @@ def step_gear(folder: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_damaged_step_file_is_refused_in_one_line(tmp_path: Path, seed: int) -> None:
+def test_damaged_step_file_is_refused_in_one_line(tmp_path: Path) -> None:
     path = step_gear(tmp_path)
-    damaged, random = bytearray(path.read_bytes()), np.random.default_rng(seed)
+    damaged, random = bytearray(path.read_bytes()), np.random.default_rng(0)
     for place in random.integers(300, len(damaged), 20):
         damaged[place] ^= 1 << int(random.integers(0, 8))
     path.write_bytes(bytes(damaged))

@@ -21,6 +21,7 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_examples_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen: list[Case] = []
 

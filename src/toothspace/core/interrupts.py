@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import _thread
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -12,6 +14,8 @@ ENDING = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 )
 """Ctrl-C, the end of a batch job's time, the end of the terminal."""
+_PAUSE = 0.02
+"""Time after which a signal inside an import is handled again. [s]"""
 
 
 @contextmanager
@@ -41,6 +45,25 @@ def interrupts_held() -> Iterator[None]:
             signal.raise_signal(number)
 
 
+def end_program(number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, inside an import soon after it.
+
+    An exception between Python's import lock and its release would leave the lock taken: the next
+    import then waits for ever for a thread that imports too.
+    """
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            _thread.start_new_thread(_signal_again, (number,))
+            return
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def _signal_again(number: int) -> None:
+    time.sleep(_PAUSE)
+    signal.raise_signal(number)
+
+
 @contextmanager
 def ending_interrupts() -> Iterator[None]:
     """Let every signal that ends the program act as Ctrl-C does; what is ignored stays so."""
@@ -48,11 +71,12 @@ def ending_interrupts() -> Iterator[None]:
         yield
         return
     before = {number: signal.getsignal(number) for number in ENDING}
-    defaults = [number for number, handler in before.items() if handler is signal.SIG_DFL]
+    usual = (signal.SIG_DFL, signal.default_int_handler)
+    defaults = {number: handler for number, handler in before.items() if handler in usual}
     for number in defaults:
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, end_program)
     try:
         yield
     finally:
-        for number in defaults:
-            signal.signal(number, signal.SIG_DFL)
+        for number, handler in defaults.items():
+            signal.signal(number, handler)

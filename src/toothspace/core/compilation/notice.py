@@ -13,6 +13,7 @@ from types import FrameType, FunctionType
 from typing import Any, final
 
 from toothspace.core.compilation.cache import compiled_folder
+from toothspace.core.interrupts import ENDING, end_program
 from toothspace.core.memory import require_memory
 
 _SHORTEST = 0.5
@@ -82,21 +83,22 @@ class Notice:
     @contextlib.contextmanager
     def _late_interrupt(self) -> Iterator[None]:
         """Raise KeyboardInterrupt where one function ends, not inside the compiler."""
-        before: Any = None
+        raising = (signal.default_int_handler, end_program)
+        before: dict[int, Any] = {}
         if threading.current_thread() is threading.main_thread():
-            before = signal.getsignal(signal.SIGINT)
-        if before is not signal.default_int_handler:
-            yield
-            return
+            handlers = {number: signal.getsignal(number) for number in ENDING}
+            before = {number: each for number, each in handlers.items() if each in raising}
 
         def note(number: int, frame: FrameType | None) -> None:
             self._interrupted = True
 
-        signal.signal(signal.SIGINT, note)
+        for number in before:
+            signal.signal(number, note)
         try:
             yield
         finally:
-            signal.signal(signal.SIGINT, before)
+            for number, handler in before.items():
+                signal.signal(number, handler)
         if self._interrupted:
             raise KeyboardInterrupt
 
