@@ -43,19 +43,6 @@ NamedLoads = Callable[[Snapshot], Mapping[str, Mapping[str, float]]]
 class ElasticFaces:
     """Deformation of the gaps by bearings and gears that bend, compress and bulge.
 
-    Parameters
-    ----------
-    grids : tuple of FaceGrid
-        One per film.
-    bodies : mapping of str to InfluenceMatrix
-        Bearings, or their parts, by the names that the films have for them, with the film
-        ``face`` in the machine frame; the turning bodies by name with the films ``floating`` and
-        ``solid`` in their own frame.
-    named_loads : callable
-        What acts on the bodies besides the films, by snapshot.
-    local : tuple of float
-        Part of the deformation that follows the pressure at the same place, by film. [m/Pa]
-
     Notes
     -----
     The film follows the local part within its own iteration, the distant part is
@@ -63,9 +50,16 @@ class ElasticFaces:
     """
 
     grids: tuple[FaceGrid, ...]
+    """One per film."""
     bodies: Mapping[str, InfluenceMatrix]
+    """Bearings, or their parts, by the names that the films have for them, with the film ``face``
+    in the machine frame; the turning bodies by name with the films ``floating`` and ``solid`` in
+    their own frame.
+    """
     named_loads: NamedLoads
+    """What acts on the bodies besides the films, by snapshot."""
     local: tuple[float, ...]
+    """Part of the deformation that follows the pressure at the same place, by film. [m/Pa]"""
     _on_bearing: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
