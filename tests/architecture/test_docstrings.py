@@ -6,6 +6,7 @@ import ast
 import inspect
 import re
 
+import toothspace.films
 from tests.architecture.sources import (
     SOURCES,
     FunctionNode,
@@ -18,6 +19,11 @@ from tests.architecture.sources import (
 UNIT = re.compile(r"\[[^\[\]]+\](?!_)")
 NUMERIC = re.compile(r"float|int\b|Any|Array|ndarray")
 ENTRY = re.compile(r"^(\w[\w, *]*?)\s*(?::.*)?$")
+
+HELD_BY_USERS = {
+    "Case", "Columns", "EvaluatedDesigns", "Ledger", "MachineDescription", "Solution",
+    "StudyResult", *dir(toothspace.films),
+}  # fmt: skip
 
 CLOSURES = [source for source in SOURCES if source.label.startswith("closures/")]
 
@@ -71,6 +77,19 @@ def test_public_functions_have_a_docstring(source: Source) -> None:
         if not ast.get_docstring(node) and name not in told
     ]
     assert not silent
+
+
+@every_source
+def test_fields_say_once_what_they_mean(source: Source) -> None:
+    """Below the field; only classes that a user makes or holds list them, for ``help``."""
+    twice = []
+    for node in ast.walk(source.tree):
+        if isinstance(node, ast.ClassDef) and node.name not in HELD_BY_USERS:
+            listed = described(section(ast.get_docstring(node) or "", "Parameters"))
+            fields = [one.target for one in node.body if isinstance(one, ast.AnnAssign)]
+            if any(isinstance(one, ast.Name) and one.id in listed for one in fields):
+                twice.append(node.name)
+    assert not twice
 
 
 @for_every([(source.label, (source,)) for source in CLOSURES])

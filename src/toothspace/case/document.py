@@ -51,21 +51,14 @@ class BaseText(str):
 @final
 @dataclass(frozen=True)
 class Document:
-    """Tables of a case file, with those of the file that it is based on.
-
-    Parameters
-    ----------
-    label : str
-        Name of the file in messages.
-    tables : dict
-        Its keys and values.
-    places : mapping of key path to (str, int)
-        File and line of a key or of the head of a table.
-    """
+    """Tables of a case file, with those of the file that it is based on."""
 
     label: str
+    """Name of the file in messages."""
     tables: dict[str, Any]
+    """Its keys and values."""
     places: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    """File and line of a key or of the head of a table. By key path."""
 
     def place(self, key: str) -> tuple[str, int]:
         """Return file and line of a key, or of the table that it is missing in."""

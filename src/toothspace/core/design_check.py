@@ -10,34 +10,24 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class DesignCheck:
-    """One line of the design-rule report.
-
-    Parameters
-    ----------
-    name : str
-        Rule.
-    value : float
-        Value found, in ``unit``.
-    unit : str
-        Unit of the value.
-    allowed : str
-        Allowed range in words.
-    passed : bool
-        Verdict.
-    reason : str
-        One sentence on why the rule matters.
-    of_drawing : bool
-        Whether it judges the file that the machine was read from rather than the design, so that
-        every run reports it.
-    """
+    """One line of the design-rule report."""
 
     name: str
+    """Rule."""
     value: float
+    """Value found, in ``unit``."""
     unit: str
+    """Unit of the value."""
     allowed: str
+    """Allowed range in words."""
     passed: bool
+    """Verdict."""
     reason: str
+    """One sentence on why the rule matters."""
     of_drawing: bool = False
+    """Whether it judges the file that the machine was read from rather than the design, so that
+    every run reports it.
+    """
 
     @property
     def shown_value(self) -> str:

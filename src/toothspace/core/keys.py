@@ -144,22 +144,16 @@ class Problems(list[Problem]):
 @final
 @dataclass(frozen=True)
 class Source:
-    """Where values come from.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder that file paths are relative to.
-    in_si : bool
-        Whether a bare number behind a key with a unit counts as SI (Python objects) or is
-        refused (case files).
-    path : str
-        Key path of the value that is read.
-    """
+    """Where values come from."""
 
     folder: Path = Path()
+    """Folder that file paths are relative to."""
     in_si: bool = False
+    """Whether a bare number behind a key with a unit counts as SI (Python objects) or is refused
+    (case files).
+    """
     path: str = ""
+    """Key path of the value that is read."""
 
 
 _PYTHON = Source(in_si=True)

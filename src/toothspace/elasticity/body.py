@@ -36,21 +36,14 @@ class Shape(Protocol):
 @final
 @dataclass(frozen=True, eq=False)
 class SweptShape:
-    """Body of prisms along z.
-
-    Parameters
-    ----------
-    parts : tuple of Prism
-        Parts; where they touch they are one.
-    edge_length : float
-        Edge of the plane triangles, each cut into three quadrilaterals. [m]
-    layer_height : float
-        Largest height of a layer of elements. [m]
-    """
+    """Body of prisms along z."""
 
     parts: tuple[Prism, ...]
+    """Parts; where they touch they are one."""
     edge_length: float
+    """Edge of the plane triangles, each cut into three quadrilaterals. [m]"""
     layer_height: float
+    """Largest height of a layer of elements. [m]"""
 
     @property
     def label(self) -> str:
@@ -70,24 +63,16 @@ class SweptShape:
 @final
 @dataclass(frozen=True, eq=False)
 class Support:
-    """Faces that rest on a foundation.
-
-    Parameters
-    ----------
-    side : {"top", "bottom", "lateral"}
-        Which way the faces look.
-    region : Geometry
-        Region in the x y plane that holds the centres of the faces. [m]
-    normal_stiffness : float
-        Pressure per displacement along the normal; infinite holds it. [Pa/m]
-    tangential_stiffness : float
-        Shear stress per displacement across the normal; infinite holds it. [Pa/m]
-    """
+    """Faces that rest on a foundation."""
 
     side: Side
+    """Which way the faces look."""
     region: shapely.Geometry
+    """Region in the x y plane that holds the centres of the faces. [m]"""
     normal_stiffness: float = np.inf
+    """Pressure per displacement along the normal; infinite holds it. [Pa/m]"""
     tangential_stiffness: float = np.inf
+    """Shear stress per displacement across the normal; infinite holds it. [Pa/m]"""
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines the support."""
@@ -130,33 +115,22 @@ class Support:
 @final
 @dataclass(frozen=True, eq=False)
 class ElasticBody:
-    """Linear elastic body with film surfaces.
-
-    Parameters
-    ----------
-    shape : Shape
-        Shape and element size.
-    elastic_modulus : float
-        Young's modulus. [Pa]
-    poisson_ratio : float
-        Poisson's ratio. [-]
-    density : float
-        Density. [kg/m3]
-    films : tuple of FilmSurface
-        Surfaces on which films press.
-    loads : tuple of Load
-        Named further loads.
-    supports : tuple of Support
-        Foundations; none leaves the body floating.
-    """
+    """Linear elastic body with film surfaces."""
 
     shape: Shape
+    """Shape and element size."""
     elastic_modulus: float
+    """Young's modulus. [Pa]"""
     poisson_ratio: float
+    """Poisson's ratio. [-]"""
     density: float
+    """Density. [kg/m3]"""
     films: tuple[FilmSurface, ...]
+    """Surfaces on which films press."""
     loads: tuple[Load, ...] = ()
+    """Named further loads."""
     supports: tuple[Support, ...] = ()
+    """Foundations; none leaves the body floating."""
 
     @property
     def floating(self) -> bool:

@@ -107,24 +107,16 @@ def _tri_rule(parts: int) -> tuple[Array, Array]:
 @final
 @dataclass(frozen=True, eq=False)
 class AreaPressure:
-    """Unit pressure on the part of the faces that look up or down inside a region.
-
-    Parameters
-    ----------
-    name : str
-        Name of the load.
-    side : {"top", "bottom"}
-        Which way the loaded faces look.
-    region : Polygon
-        Region in the x y plane; it need not follow the mesh. [m]
-    per_area : bool
-        False: the pressure is scaled to a total force of one newton, as of a spring.
-    """
+    """Unit pressure on the part of the faces that look up or down inside a region."""
 
     name: str
+    """Name of the load."""
     side: Side
+    """Which way the loaded faces look."""
     region: shapely.Geometry
+    """Region in the x y plane; it need not follow the mesh. A polygon. [m]"""
     per_area: bool = True
+    """False: the pressure is scaled to a total force of one newton, as of a spring."""
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines the load."""
@@ -175,19 +167,13 @@ def _shape_at(corners: Array, place: Array) -> Array:
 @final
 @dataclass(frozen=True, eq=False)
 class LateralFaces:
-    """Faces that look to the side inside a region and between two levels.
-
-    Parameters
-    ----------
-    region : Polygon
-        Region in the x y plane that holds their centres. [m]
-    bottom, top : float
-        Levels. [m]
-    """
+    """Faces that look to the side inside a region and between two levels."""
 
     region: shapely.Geometry
+    """Region in the x y plane that holds their centres. A polygon. [m]"""
     bottom: float = -np.inf
     top: float = np.inf
+    """Levels. [m]"""
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines them."""
@@ -206,24 +192,16 @@ class LateralFaces:
 @final
 @dataclass(frozen=True, eq=False)
 class LateralPressure:
-    """Pressure on faces that look to the side.
-
-    Parameters
-    ----------
-    name : str
-        Name of the load.
-    faces : LateralFaces
-        Where it acts.
-    pattern : callable, optional
-        Pressure at places x, y, z [m] in place of one pascal.
-    label : str
-        Name of the distribution in the cache.
-    """
+    """Pressure on faces that look to the side."""
 
     name: str
+    """Name of the load."""
     faces: LateralFaces
+    """Where it acts."""
     pattern: Callable[[Array], Array] | None = None
+    """Pressure at places x, y, z [m] in place of one pascal."""
     label: str = ""
+    """Name of the distribution in the cache."""
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines the load."""
@@ -239,18 +217,12 @@ class LateralPressure:
 @final
 @dataclass(frozen=True, eq=False)
 class AxialTraction:
-    """One newton along z, even over faces that look to the side.
-
-    Parameters
-    ----------
-    name : str
-        Name of the load.
-    faces : LateralFaces
-        Where it acts.
-    """
+    """One newton along z, even over faces that look to the side."""
 
     name: str
+    """Name of the load."""
     faces: LateralFaces
+    """Where it acts."""
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines the load."""

@@ -49,19 +49,13 @@ class SolidMesh:
 @final
 @dataclass(frozen=True)
 class Prism:
-    """Part of a body: a plane section between two levels.
-
-    Parameters
-    ----------
-    section : Polygon
-        Outline with holes in the x y plane. [m]
-    bottom, top : float
-        Levels along z. [m]
-    """
+    """Part of a body: a plane section between two levels."""
 
     section: shapely.Polygon
+    """Outline with holes in the x y plane. [m]"""
     bottom: float
     top: float
+    """Levels along z. [m]"""
 
 
 def disc(radius: float, center: tuple[float, float] = (0.0, 0.0)) -> shapely.Polygon:

@@ -31,20 +31,14 @@ class SolidFile:
 
     The file is in millimetres and in the frame of the body: for a bearing z = 0 on its film face,
     for a gear in the middle of its face width.
-
-    Parameters
-    ----------
-    path : Path
-        STEP file with one body.
-    edge_length : float
-        Longest edge of the tetrahedra. [m]
-    named_by : str
-        Key of the case that names the file, for messages.
     """
 
     path: Path
+    """STEP file with one body."""
     edge_length: float
+    """Longest edge of the tetrahedra. [m]"""
     named_by: str = ""
+    """Key of the case that names the file, for messages."""
 
     @property
     def label(self) -> str:

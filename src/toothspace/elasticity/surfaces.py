@@ -51,27 +51,18 @@ def looks(mesh: SolidMesh, side: Side) -> BoolArray:
 @final
 @dataclass(frozen=True, eq=False)
 class PlaneSurface:
-    """Film surface across the z axis: all faces that look one way within a region.
-
-    Parameters
-    ----------
-    name : str
-        Name of the surface.
-    side : {"top", "bottom"}
-        Which way the surface looks.
-    region : Polygon
-        Outline with holes in the x y plane. [m]
-    node_spacing : float
-        Distance of the nodes. [m]
-    level : float or None
-        Where most of the surface must stand along z; None: anywhere. [m]
-    """
+    """Film surface across the z axis: all faces that look one way within a region."""
 
     name: str
+    """Name of the surface."""
     side: Side
+    """Which way the surface looks."""
     region: shapely.Polygon
+    """Outline with holes in the x y plane. [m]"""
     node_spacing: float
+    """Distance of the nodes. [m]"""
     level: float | None = None
+    """Where most of the surface must stand along z; None: anywhere. [m]"""
 
     @cached_property
     def _plane(self) -> Triangulation:
@@ -198,28 +189,19 @@ def _rows(columns: IntArray, weights: Array, count: int) -> sp.csr_matrix:
 @final
 @dataclass(frozen=True, eq=False)
 class CylinderSurface:
-    """Film surface round an axis along z: a bore or a shaft.
-
-    Parameters
-    ----------
-    name : str
-        Name of the surface.
-    radius : float
-        Radius. [m]
-    bottom, top : float
-        Levels between which the surface lies. [m]
-    grid : tuple of int
-        Nodes round the circumference and along the axis. [-]
-    center : tuple of float
-        Place x, y of the axis. [m]
-    """
+    """Film surface round an axis along z: a bore or a shaft."""
 
     name: str
+    """Name of the surface."""
     radius: float
+    """Radius. [m]"""
     bottom: float
     top: float
+    """Levels between which the surface lies. [m]"""
     grid: tuple[int, int]
+    """Nodes round the circumference and along the axis. [-]"""
     center: tuple[float, float] = (0.0, 0.0)
+    """Place x, y of the axis. [m]"""
     side: Side = field(default="lateral", init=False)
 
     @property

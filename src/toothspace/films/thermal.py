@@ -90,18 +90,12 @@ class HeatBalance:
 @final
 @dataclass(frozen=True, eq=False)
 class FilmHeating:
-    """Oil of films that are heated by what they dissipate.
-
-    Parameters
-    ----------
-    balance : HeatBalance
-        Properties of the oil and share of the heat.
-    viscosity : callable
-        Dynamic viscosity at an absolute temperature, falling with it. [K to Pa s]
-    """
+    """Oil of films that are heated by what they dissipate."""
 
     balance: HeatBalance
+    """Properties of the oil and share of the heat."""
     viscosity: Callable[[float], float]
+    """Dynamic viscosity at an absolute temperature, falling with it. [K to Pa s]"""
 
 
 @final

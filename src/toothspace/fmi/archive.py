@@ -48,27 +48,18 @@ _UNITS: dict[str, tuple[dict[str, int], dict[str, float]]] = {
 @final
 @dataclass(frozen=True)
 class FmuVariable:
-    """A real variable of the unit.
-
-    Parameters
-    ----------
-    name : str
-        Name; that of the result variable where there is one.
-    causality : str
-        ``input``, ``parameter`` or ``output``, empty if this unit does not have it.
-    units : str
-        SI unit in the spelling of FMI.
-    meaning : str
-        Meaning and sign; of the result variable if empty.
-    start : float
-        Value at the start of inputs and parameters. [units]
-    """
+    """A real variable of the unit."""
 
     name: str
+    """Name; that of the result variable where there is one."""
     causality: str
+    """``input``, ``parameter`` or ``output``, empty if this unit does not have it."""
     units: str
+    """SI unit in the spelling of FMI."""
     meaning: str = ""
+    """Meaning and sign; of the result variable if empty."""
     start: float = 0.0
+    """Value at the start of inputs and parameters. [units]"""
 
     @property
     def description(self) -> str:

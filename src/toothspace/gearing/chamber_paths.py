@@ -18,26 +18,18 @@ from toothspace.numerics.periodic_table import monotone_table
 @final
 @dataclass(frozen=True, kw_only=True)
 class ChamberPaths:
-    """Chambers round one axis, numbered round it, and the lands between neighbours.
-
-    Parameters
-    ----------
-    nodes : ndarray of int
-        Nodes of the chambers.
-    behind, ahead : ndarray of int
-        Nodes behind and ahead of every land in the sense of rotation.
-    angle_ratio : float
-        Growth of the places per shaft angle. [-]
-    phases, land_phases : ndarray
-        Places of chambers and lands at shaft angle zero. [rad]
-    """
+    """Chambers round one axis, numbered round it, and the lands between neighbours."""
 
     nodes: IntArray
+    """Nodes of the chambers."""
     behind: IntArray
     ahead: IntArray
+    """Nodes behind and ahead of every land in the sense of rotation."""
     angle_ratio: float
+    """Growth of the places per shaft angle. [-]"""
     phases: Array
     land_phases: Array
+    """Places of chambers and lands at shaft angle zero. [rad]"""
 
     def over_lands(
         self, name: str, category: PathCategory, geometry: Array, kind: PathKind = "parallel_gap",

@@ -29,18 +29,12 @@ _CHUNK = 8192
 @final
 @dataclass(frozen=True)
 class DesignValues:
-    """Values of keys: arrays of one shape (n,) where they vary, else those of the case.
-
-    Parameters
-    ----------
-    machine : KeyTable
-        ``[machine]`` of the case.
-    varied : mapping of str to ndarray
-        Values by key path below ``machine``. [SI unit]
-    """
+    """Values of keys: arrays of one shape (n,) where they vary, else those of the case."""
 
     machine: KeyTable
+    """``[machine]`` of the case."""
     varied: Mapping[str, Array]
+    """Values by key path below ``machine``. [SI unit]"""
 
     @property
     def size(self) -> int:

@@ -28,24 +28,16 @@ _RADIUS_OVER_PITCH = 0.34
 @final
 @dataclass(frozen=True)
 class FlankPair:
-    """What touches at the flanks: drive and driven body, each with its surface.
-
-    Parameters
-    ----------
-    bodies : tuple of str
-        Names.
-    materials : tuple of Material
-        Materials.
-    roughness : tuple of float
-        Root mean square roughness. [m]
-    profile_shifts : tuple of float
-        Profile shifts in modules; 0 for profiles from file and for a ring gear. [-]
-    """
+    """What touches at the flanks: drive and driven body, each with its surface."""
 
     bodies: tuple[str, str]
+    """Names."""
     materials: tuple[Material, Material]
+    """Materials."""
     roughness: tuple[float, float]
+    """Root mean square roughness. [m]"""
     profile_shifts: tuple[float, float]
+    """Profile shifts in modules; 0 for profiles from file and for a ring gear. [-]"""
 
 
 def mesh_motions(bodies: tuple[str, str]) -> tuple[Motion, ...]:

@@ -20,24 +20,16 @@ _FLANK_POINTS = 400
 @final
 @dataclass(frozen=True, eq=False)
 class GearSection:
-    """Section of an external gear in the machine frame over the shaft angle.
-
-    Parameters
-    ----------
-    profile : GearProfile
-        One tooth.
-    center : tuple of float
-        Axis. [m]
-    first_tooth : float
-        Polar angle of the middle of a tooth at shaft angle zero. [rad]
-    speed_ratio : float
-        Angular speed over shaft speed. [-]
-    """
+    """Section of an external gear in the machine frame over the shaft angle."""
 
     profile: GearProfile
+    """One tooth."""
     center: tuple[float, float]
+    """Axis. [m]"""
     first_tooth: float
+    """Polar angle of the middle of a tooth at shaft angle zero. [rad]"""
     speed_ratio: float
+    """Angular speed over shaft speed. [-]"""
     _flanks: tuple[Array, Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -76,21 +68,14 @@ class GearSection:
 @final
 @dataclass(frozen=True, eq=False)
 class GearFace:
-    """Face map of one gear with its tooth spaces.
-
-    Parameters
-    ----------
-    section : GearSection
-        The gear.
-    spaces : ChamberRing
-        Its tooth spaces.
-    recesses : sequence of (int, ndarray)
-        Recesses of the wall: node that feeds them, and outline. [m]
-    """
+    """Face map of one gear with its tooth spaces."""
 
     section: GearSection
+    """The gear."""
     spaces: ChamberRing
+    """Its tooth spaces."""
     recesses: Sequence[tuple[int, Array]] = ()
+    """Recesses of the wall: node that feeds them, and outline. [m]"""
 
     def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
         """Nodes and the gear at points; angles in [rad], places in [m]."""

@@ -209,29 +209,20 @@ class ReliefGrooveParameters(KeyTable):
 @final
 @dataclass(frozen=True, kw_only=True)
 class ReliefGrooves:
-    """Relief grooves in both faces: closing side (+x) to the outlet, opening side to the inlet.
-
-    Parameters
-    ----------
-    closing_side_offset, opening_side_offset : float
-        Distance of the groove edge from the centre line. [m]
-    width : float
-        Extent along x beyond the edge. [m]
-    radial_extent : float
-        Extent along y, centred on the pitch point. [m]
-    depth : float
-        Depth into the face. [m]
-    closing_contour, opening_contour : ndarray, shape (points, 2), or None
-        Closed polygons in the machine frame that replace the rectangles. [m]
-    """
+    """Relief grooves in both faces: closing side (+x) to the outlet, opening side to the inlet."""
 
     closing_side_offset: float
     opening_side_offset: float
+    """Distance of the groove edge from the centre line. [m]"""
     width: float = 10e-3
+    """Extent along x beyond the edge. [m]"""
     radial_extent: float = 10e-3
+    """Extent along y, centred on the pitch point. [m]"""
     depth: float = 1.5e-3
+    """Depth into the face. [m]"""
     closing_contour: Array | None = None
     opening_contour: Array | None = None
+    """Closed polygons in the machine frame that replace the rectangles. Shape (points, 2). [m]"""
 
     def outlines(self, pitch_point: float) -> dict[str, Array]:
         """Outlines named by the port that they join, about a height of the pitch point [m]. [m]."""

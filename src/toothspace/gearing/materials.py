@@ -11,24 +11,16 @@ from toothspace.library import load_material
 @final
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Elastic data of a solid.
-
-    Parameters
-    ----------
-    elastic_modulus : float
-        Young's modulus. [Pa]
-    poisson_ratio : float
-        Poisson's ratio. [-]
-    hardness : float
-        Indentation hardness. [Pa]
-    density : float
-        Density. [kg/m3]
-    """
+    """Elastic data of a solid."""
 
     elastic_modulus: float
+    """Young's modulus. [Pa]"""
     poisson_ratio: float
+    """Poisson's ratio. [-]"""
     hardness: float
+    """Indentation hardness. [Pa]"""
     density: float = 7850.0
+    """Density. [kg/m3]"""
 
 
 def library_material(name: str, key: str) -> Material:

@@ -41,29 +41,23 @@ class Mesh(NamedTuple):
     """Two gears in mesh, drive gear at the origin, the mesh above it.
 
     A ring gear has negative radii: its centre lies below, its places are against the rotation.
-
-    Parameters
-    ----------
-    center_distance : float
-        Height of the driven gear's centre, negative for a ring gear. [m]
-    ratio : float
-        Speed of the driven over the speed of the drive gear, positive where they turn opposite
-        ways, negative for a ring gear. [-]
-    half_pitch : float
-        Half of the drive gear's pitch angle. [rad]
-    turn : float
-        Right-handed rotation of the driven gear from centred backlash to contact. [rad]
-    lens_drive, lens_driven : float
-        Half angle of the lens of the tip circles seen from each centre, negative from that of a
-        ring gear. [rad]
     """
 
     center_distance: float
+    """Height of the driven gear's centre, negative for a ring gear. [m]"""
     ratio: float
+    """Speed of the driven over the speed of the drive gear, positive where they turn opposite ways,
+    negative for a ring gear. [-]
+    """
     half_pitch: float
+    """Half of the drive gear's pitch angle. [rad]"""
     turn: float
+    """Right-handed rotation of the driven gear from centred backlash to contact. [rad]"""
     lens_drive: float
     lens_driven: float
+    """Half angle of the lens of the tip circles seen from each centre, negative from that of a ring
+    gear. [rad]
+    """
 
     @property
     def pitch_radii(self) -> tuple[float, float]:
@@ -96,60 +90,40 @@ class _Ends(NamedTuple):
 @final
 @dataclass(frozen=True)
 class ThroatEnd:
-    """End of throats of one kind on one gear at many angles.
-
-    Parameters
-    ----------
-    point : ndarray, shape (angles, 2)
-        Place; the cusp of the tip circles where there is no throat. [m]
-    velocity : ndarray, shape (angles, 2)
-        Its derivative with respect to the shaft angle. [m/rad]
-    swept : ndarray
-        Area swept from the root middle along flank and tip circle to the end. [m2]
-    along : ndarray
-        Place of the end on its tip circle, or of the tip corner where it is on the flank. [rad]
-    corner : ndarray
-        Place of the tip corner. [rad]
-    curvature : ndarray
-        Curvature of the flank at the end, positive where convex. [1/m]
-    inward : ndarray
-        Curve length from the tip corner to the end, negative where it is on the tip circle. [m]
-    """
+    """End of throats of one kind on one gear at many angles."""
 
     point: Array
+    """Place; the cusp of the tip circles where there is no throat. Shape (angles, 2). [m]"""
     velocity: Array
+    """Its derivative with respect to the shaft angle. Shape (angles, 2). [m/rad]"""
     swept: Array
+    """Area swept from the root middle along flank and tip circle to the end. [m2]"""
     along: Array
+    """Place of the end on its tip circle, or of the tip corner where it is on the flank. [rad]"""
     corner: Array
+    """Place of the tip corner. [rad]"""
     curvature: Array
+    """Curvature of the flank at the end, positive where convex. [1/m]"""
     inward: Array
+    """Curve length from the tip corner to the end, negative where it is on the tip circle. [m]"""
 
 
 @final
 @dataclass(frozen=True)
 class Throats:
-    """Throats of one kind at many angles; arrays of shape (angles,) or (angles, 2).
-
-    Parameters
-    ----------
-    weight : ndarray
-        1 where the throat is complete, 0 where the teeth are not in the lens. [-]
-    gap : ndarray
-        Distance along the normal, negative where the flanks overlap. [m]
-    normal : ndarray
-        Unit vector from the drive to the driven flank. [-]
-    at_corner : ndarray
-        True where an end lies at a tip corner. [-]
-    drive, driven : ThroatEnd
-        Ends on both gears.
-    """
+    """Throats of one kind at many angles; arrays of shape (angles,) or (angles, 2)."""
 
     weight: Array
+    """1 where the throat is complete, 0 where the teeth are not in the lens. [-]"""
     gap: Array
+    """Distance along the normal, negative where the flanks overlap. [m]"""
     normal: Array
+    """Unit vector from the drive to the driven flank. [-]"""
     at_corner: Array
+    """True where an end lies at a tip corner. [-]"""
     drive: ThroatEnd
     driven: ThroatEnd
+    """Ends on both gears."""
 
     @property
     def middle(self) -> Array:

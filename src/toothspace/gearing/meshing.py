@@ -42,30 +42,20 @@ _LEAST_RADIUS = 5.8e-3
 
 @dataclass(frozen=True, kw_only=True)
 class MeshedGears:
-    """Two gears in mesh with the loaded flanks in contact.
-
-    Parameters
-    ----------
-    teeth : tuple of Tooth
-        Flanks of drive and driven gear.
-    root_radii : tuple of float
-        Root circles, negative of a ring gear. [m]
-    mesh : Mesh
-        Relative position.
-    face_width : float
-        Width over which the gears mesh. [m]
-    loaded_is_left : bool
-        Whether the loaded flanks are the left ones (pump) or the right ones (motor).
-    pair : InvolutePair or None
-        Involute pair where both gears are given by parameters.
-    """
+    """Two gears in mesh with the loaded flanks in contact."""
 
     teeth: tuple[Tooth, Tooth]
+    """Flanks of drive and driven gear."""
     root_radii: tuple[float, float]
+    """Root circles, negative of a ring gear. [m]"""
     mesh: Mesh
+    """Relative position."""
     face_width: float
+    """Width over which the gears mesh. [m]"""
     loaded_is_left: bool
+    """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
     pair: InvolutePair[float] | None
+    """Involute pair where both gears are given by parameters."""
 
     @property
     def counts(self) -> tuple[int, int]:

@@ -23,29 +23,21 @@ FULL_TURN = 2.0 * np.pi
 @final
 @dataclass(frozen=True)
 class Numbering:
-    """Phases and nodes of all chambers and of the paths between them.
-
-    Parameters
-    ----------
-    space_phases, tooth_phases : tuple of ndarray
-        Table angles at shaft angle zero of the spaces, and of the teeth that stand behind them,
-        of drive and driven gear. [rad]
-    nodes : tuple of ndarray
-        Node numbers of the spaces of both gears.
-    ratios : tuple of float
-        Growth of the table angles per shaft angle. [-]
-    met_spaces : ndarray
-        Driven space met by each drive space through its trailing throat in this turn.
-    partner_shift : int
-        Shift of the met space at each further turn of the drive gear.
-    """
+    """Phases and nodes of all chambers and of the paths between them."""
 
     space_phases: tuple[Array, Array]
     tooth_phases: tuple[Array, Array]
+    """Table angles at shaft angle zero of the spaces, and of the teeth that stand behind them, of
+    drive and driven gear. [rad]
+    """
     nodes: tuple[IntArray, IntArray]
+    """Node numbers of the spaces of both gears."""
     ratios: tuple[float, float]
+    """Growth of the table angles per shaft angle. [-]"""
     met_spaces: IntArray
+    """Driven space met by each drive space through its trailing throat in this turn."""
     partner_shift: int
+    """Shift of the met space at each further turn of the drive gear."""
 
     @property
     def inlet(self) -> int:

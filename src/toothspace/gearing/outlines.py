@@ -53,18 +53,12 @@ class _Side:
 @final
 @dataclass(frozen=True)
 class SpaceOutlines:
-    """Outlines of all tooth spaces of a gear pair over the shaft angle.
-
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
-    numbering : Numbering
-        Phases of the spaces.
-    """
+    """Outlines of all tooth spaces of a gear pair over the shaft angle."""
 
     gears: MeshedGears
+    """Gears in mesh."""
     numbering: Numbering
+    """Phases of the spaces."""
 
     def __call__(self, shaft_angle: float) -> list[Array]:
         """Outlines at a shaft angle [rad], in the order of the chambers. [m]."""

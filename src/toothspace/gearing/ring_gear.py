@@ -28,13 +28,6 @@ _LEAST_TIP = 1.0 + 1e-6
 class RingGear:
     """Ring gear with involute teeth inside.
 
-    Parameters
-    ----------
-    space : InvoluteGear
-        External gear whose teeth are the ring's tooth spaces, up to the ring's root circle.
-    tip_radius : float
-        Radius of the circle inside the teeth. [m]
-
     Raises
     ------
     GeometryError
@@ -42,7 +35,9 @@ class RingGear:
     """
 
     space: InvoluteGear
+    """External gear whose teeth are the ring's tooth spaces, up to the ring's root circle."""
     tip_radius: float
+    """Radius of the circle inside the teeth. [m]"""
 
     def __post_init__(self) -> None:
         base = _LEAST_TIP * self.space.base_radius
@@ -167,21 +162,14 @@ def ring_tooth(ring: RingGear, points: int = 200) -> Tooth:
 @final
 @dataclass(frozen=True)
 class InternalPair(InvolutePair[float]):
-    """Pinion in a ring gear.
-
-    Parameters
-    ----------
-    pinion : InvoluteGear
-        Gear on the shaft.
-    ring : RingGear
-        Ring gear.
-    center_distance : float
-        Distance of the centres. [m]
-    """
+    """Pinion in a ring gear."""
 
     pinion: InvoluteGear
+    """Gear on the shaft."""
     ring: RingGear
+    """Ring gear."""
     center_distance: float
+    """Distance of the centres. [m]"""
 
     @property
     def speed_ratio(self) -> float:

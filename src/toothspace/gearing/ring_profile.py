@@ -19,15 +19,10 @@ _LAND = 2e-4
 @final
 @dataclass(frozen=True)
 class RingProfile:
-    """Teeth of a ring gear from a curve.
-
-    Parameters
-    ----------
-    spaces : GearProfile
-        The curve as a gear whose teeth are the ring's spaces.
-    """
+    """Teeth of a ring gear from a curve."""
 
     spaces: GearProfile
+    """The curve as a gear whose teeth are the ring's spaces."""
 
     @property
     def tip_radius(self) -> float:

@@ -86,27 +86,18 @@ def flank_paths(
 @final
 @dataclass(frozen=True)
 class ToothSpaces:
-    """Tooth spaces of one gear as chambers with their paths; names end with that of the gear.
-
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
-    numbering : Numbering
-        Phases and nodes.
-    spaces : Spaces
-        Tooth spaces of the gear at the table nodes.
-    label : str
-        End of the names of the paths.
-    width : float
-        Face width of the gear. [m]
-    """
+    """Tooth spaces of one gear as chambers with their paths; names end with that of the gear."""
 
     gears: meshing.MeshedGears
+    """Gears in mesh."""
     numbering: Numbering
+    """Phases and nodes."""
     spaces: Spaces
+    """Tooth spaces of the gear at the table nodes."""
     label: str
+    """End of the names of the paths."""
     width: float
+    """Face width of the gear. [m]"""
 
     @property
     def gear(self) -> int:

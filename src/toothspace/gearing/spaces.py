@@ -15,30 +15,22 @@ from toothspace.gearing.tooth import Tooth
 @final
 @dataclass(frozen=True)
 class Spaces:
-    """Tooth spaces of one gear over their own angle, between their two throats.
-
-    Parameters
-    ----------
-    own, other : Tooth
-        The gear of the spaces, and the gear whose tooth enters them.
-    mesh : Mesh
-        Gears in mesh.
-    is_drive : bool
-        Whether the spaces belong to the drive gear.
-    angles : ndarray
-        Place of the middle of the space, from the centre line in the sense of rotation. [rad]
-    left, right : Throats
-        Throats between left flanks and between right flanks. The left one is at the tooth behind
-        a drive space and at the tooth ahead of a driven space.
-    """
+    """Tooth spaces of one gear over their own angle, between their two throats."""
 
     own: Tooth
     other: Tooth
+    """The gear of the spaces, and the gear whose tooth enters them."""
     mesh: Mesh
+    """Gears in mesh."""
     is_drive: bool
+    """Whether the spaces belong to the drive gear."""
     angles: Array
+    """Place of the middle of the space, from the centre line in the sense of rotation. [rad]"""
     left: Throats
     right: Throats
+    """Throats between left flanks and between right flanks. The left one is at the tooth behind a
+    drive space and at the tooth ahead of a driven space.
+    """
 
     @property
     def center(self) -> Array:

@@ -21,49 +21,34 @@ _TANGENT_JUMP = 0.02
 
 
 class Flank(NamedTuple):
-    """One flank from the root middle to the tip corner, tooth on the +x axis.
-
-    Parameters
-    ----------
-    knots : ndarray, shape (n,)
-        Curve parameter (chord length) at the spline knots, from 0 at the root middle. [m]
-    coefficients : ndarray, shape (n - 1, 8)
-        Cubic polynomials of x, then of y, in ascending powers. [m]
-    area : ndarray, shape (n,)
-        Area swept by the radius from the root middle to each knot, right-handed. [m2]
-    side : float
-        ``LEFT`` or ``RIGHT``.
-    corner_angle : float
-        Polar angle of the tip corner. [rad]
-    tip_radius : float
-        Tip circle, negative where the tooth points to its centre. [m]
-    """
+    """One flank from the root middle to the tip corner, tooth on the +x axis."""
 
     knots: Array
+    """Curve parameter (chord length) at the spline knots, from 0 at the root middle. Shape (n,).
+    [m]
+    """
     coefficients: Array
+    """Cubic polynomials of x, then of y, in ascending powers. Shape (n - 1, 8). [m]"""
     area: Array
+    """Area swept by the radius from the root middle to each knot, right-handed. Shape (n,). [m2]"""
     side: float
+    """``LEFT`` or ``RIGHT``."""
     corner_angle: float
+    """Polar angle of the tip corner. [rad]"""
     tip_radius: float
+    """Tip circle, negative where the tooth points to its centre. [m]"""
 
 
 class Tooth(NamedTuple):
-    """Both flanks of a gear's tooth and the numbers that go with them.
-
-    Parameters
-    ----------
-    left, right : Flank
-        Flanks.
-    tooth_count : int
-        Number of teeth, negative of a ring gear.
-    tip_radius : float
-        Tip circle, negative of a ring gear. [m]
-    """
+    """Both flanks of a gear's tooth and the numbers that go with them."""
 
     left: Flank
     right: Flank
+    """Flanks."""
     tooth_count: int
+    """Number of teeth, negative of a ring gear."""
     tip_radius: float
+    """Tip circle, negative of a ring gear. [m]"""
 
     @property
     def pitch_angle(self) -> float:

@@ -34,98 +34,68 @@ _SECOND = 0.2
 @final
 @dataclass(frozen=True)
 class SectionRequest:
-    """What to cut out of a solid file.
-
-    Parameters
-    ----------
-    axis : str, tuple of float or None
-        ``x``, ``y``, ``z`` or a unit vector; None: the axis of symmetry where teeth are wanted,
-        else z.
-    plane : float or None
-        Height of the section along the axis; None: middle of the teeth or of the body. [m]
-    body : int or None
-        Number of one body, the largest is 0; None for all.
-    part : str or None
-        Name of one body; None for all.
-    teeth : bool
-        Whether to look for teeth.
-    lobes : bool
-        Whether to look for three and more teeth, also on holes, as of gerotor rotors.
-    face_towards : float or None
-        Height towards which a body turns its face: in place of one section, one through the layer
-        behind that face and one through the layer that follows, between flat faces across the
-        axis. [m]
-    """
+    """What to cut out of a solid file."""
 
     axis: str | tuple[float, float, float] | None = None
+    """``x``, ``y``, ``z`` or a unit vector; None: the axis of symmetry where teeth are wanted, else
+    z.
+    """
     plane: float | None = None
+    """Height of the section along the axis; None: middle of the teeth or of the body. [m]"""
     body: int | None = None
+    """Number of one body, the largest is 0; None for all."""
     part: str | None = None
+    """Name of one body; None for all."""
     teeth: bool = False
+    """Whether to look for teeth."""
     lobes: bool = False
+    """Whether to look for three and more teeth, also on holes, as of gerotor rotors."""
     face_towards: float | None = None
+    """Height towards which a body turns its face: in place of one section, one through the layer
+    behind that face and one through the layer that follows, between flat faces across the axis. [m]
+    """
 
 
 @final
 @dataclass(frozen=True)
 class SolidBody:
-    """One body of a file.
-
-    Parameters
-    ----------
-    name : str
-        Name in the file, empty without.
-    mesh : SurfaceMesh
-        Its surface, for a STEP body a coarse one.
-    cut : callable
-        Section curves for a frame and a height, as in ``mesh_section.section``.
-    """
+    """One body of a file."""
 
     name: str
+    """Name in the file, empty without."""
     mesh: SurfaceMesh
+    """Its surface, for a STEP body a coarse one."""
     cut: Callable[[Array, float], list[Array]]
+    """Section curves for a frame and a height, as in ``mesh_section.section``."""
 
 
 @final
 @dataclass(frozen=True)
 class BodySection:
-    """Section of one body.
-
-    Parameters
-    ----------
-    body : int
-        Number of the body, the largest is 0.
-    name : str
-        Its name in the file, empty without.
-    axis : ndarray, shape (3,)
-        Unit vector normal to the section.
-    height : float
-        Distance of the plane from the origin along the axis. [m]
-    extent : tuple of float
-        Range of the body along the axis. [m]
-    teeth_extent : tuple of float or None
-        Range along the axis in which the section has teeth; None if it was not looked for or none
-        was found. [m]
-    curves : list of ndarray
-        Closed curves, shape (n, 2), in the frame of ``axis_frame``, largest first. [m]
-    second_height : float
-        Height of a second section through the teeth. [m]
-    second : ndarray or None
-        Its largest curve, on the mesh of the body. [m]
-    layer : tuple of float or None
-        Flat faces between which the section was cut. [m]
-    """
+    """Section of one body."""
 
     body: int
+    """Number of the body, the largest is 0."""
     name: str
+    """Its name in the file, empty without."""
     axis: Array
+    """Unit vector normal to the section. Shape (3,)."""
     height: float
+    """Distance of the plane from the origin along the axis. [m]"""
     extent: tuple[float, float]
+    """Range of the body along the axis. [m]"""
     teeth_extent: tuple[float, float] | None
+    """Range along the axis in which the section has teeth; None if it was not looked for or none
+    was found. [m]
+    """
     curves: list[Array]
+    """Closed curves, shape (n, 2), in the frame of ``axis_frame``, largest first. [m]"""
     second_height: float = 0.0
+    """Height of a second section through the teeth. [m]"""
     second: Array | None = None
+    """Its largest curve, on the mesh of the body. [m]"""
     layer: tuple[float, float] | None = None
+    """Flat faces between which the section was cut. [m]"""
 
 
 def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[BodySection]:

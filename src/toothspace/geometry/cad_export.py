@@ -28,27 +28,18 @@ _CORNER = np.deg2rad(12.0)
 @final
 @dataclass(frozen=True)
 class Section:
-    """A plane section of a solid.
-
-    Parameters
-    ----------
-    boundary : ndarray, shape (n, 2)
-        Closed counter-clockwise curve, first point not repeated. [m]
-    holes : tuple of ndarray
-        Closed counter-clockwise curves inside it. [m]
-    pieces : tuple of ndarray
-        Smooth pieces of the boundary; if not given, it is cut at its corners. [m]
-    title : str
-        What text files call it.
-    layer : str
-        Layer of DXF files.
-    """
+    """A plane section of a solid."""
 
     boundary: Array
+    """Closed counter-clockwise curve, first point not repeated. Shape (n, 2). [m]"""
     holes: tuple[Array, ...] = ()
+    """Closed counter-clockwise curves inside it. [m]"""
     pieces: tuple[Array, ...] = ()
+    """Smooth pieces of the boundary; if not given, it is cut at its corners. [m]"""
     title: str = "closed curve"
+    """What text files call it."""
     layer: str = "ROTOR"
+    """Layer of DXF files."""
 
     @property
     def curves(self) -> tuple[Array, ...]:

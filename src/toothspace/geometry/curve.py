@@ -20,19 +20,14 @@ _ALIKE, _ARC_TURN, _ARC_PIECES = 0.4, np.deg2rad(20.0), 8
 @final
 @dataclass(frozen=True)
 class CurveSegment:
-    """A smooth piece of curve.
-
-    Parameters
-    ----------
-    curve : callable
-        Points, shape (n, 2), for parameters in 0 to 1. [m]
-    crowding : tuple of float
-        How closely points gather at the start and at the end: 0 not at all, 1 for a jump of
-        curvature, 2 for a corner.
-    """
+    """A smooth piece of curve."""
 
     curve: Callable[[Array], Array]
+    """Points, shape (n, 2), for parameters in 0 to 1. [m]"""
     crowding: tuple[float, float]
+    """How closely points gather at the start and at the end: 0 not at all, 1 for a jump of
+    curvature, 2 for a corner.
+    """
 
 
 def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tuple[int, ...]]:

@@ -15,13 +15,6 @@ from toothspace.core.types import Array
 class ProfileDeviation:
     """Distance of one flank from an involute along its normal, over the roll length.
 
-    Parameters
-    ----------
-    roll_length : ndarray
-        Length of the tangent from the base circle to each compared point, rising. [m]
-    deviation : ndarray
-        Deviation, positive for excess material. [m]
-
     References
     ----------
     .. [1] ISO 1328-1:2013, Cylindrical gears, ISO system of flank tolerance classification,
@@ -29,7 +22,9 @@ class ProfileDeviation:
     """
 
     roll_length: Array
+    """Length of the tangent from the base circle to each compared point, rising. [m]"""
     deviation: Array
+    """Deviation, positive for excess material. [m]"""
 
     @property
     def total(self) -> float:
@@ -59,13 +54,6 @@ class ProfileDeviation:
 class PitchDeviation:
     """Places of the teeth on a measuring circle about the centre that fits all teeth.
 
-    Parameters
-    ----------
-    left, right : ndarray, shape (tooth_count,)
-        Index deviation of the flanks, arc from the even place, counter-clockwise positive. [m]
-    radial : ndarray, shape (tooth_count,)
-        Radial place of a ball in the space after each tooth. [m]
-
     References
     ----------
     .. [1] ISO 1328-1:2013, Cylindrical gears, ISO system of flank tolerance classification,
@@ -74,7 +62,11 @@ class PitchDeviation:
 
     left: Array
     right: Array
+    """Index deviation of the flanks, arc from the even place, counter-clockwise positive. Shape
+    (tooth_count,). [m]
+    """
     radial: Array
+    """Radial place of a ball in the space after each tooth. Shape (tooth_count,). [m]"""
 
     @property
     def single(self) -> float:

@@ -27,31 +27,22 @@ _MATCH = 3e-4
 @final
 @dataclass(frozen=True)
 class GearData:
-    """What a drawing of a gear gives.
-
-    Parameters
-    ----------
-    tooth_count : int
-        Number of teeth.
-    module : float
-        Transverse module. [m]
-    pressure_angle : float
-        Transverse pressure angle at the reference circle. [rad]
-    profile_shift : float
-        Shift that gives the tooth thickness found, thinning included. [module]
-    tip_rounding : float
-        Radius of an arc between involute and tip circle, 0 for a sharp corner. [m]
-    standard : bool
-        Whether module or diametral pitch is one in use; else the pressure angle is assumed to be
-        20 deg.
-    """
+    """What a drawing of a gear gives."""
 
     tooth_count: int
+    """Number of teeth."""
     module: float
+    """Transverse module. [m]"""
     pressure_angle: float
+    """Transverse pressure angle at the reference circle. [rad]"""
     profile_shift: float
+    """Shift that gives the tooth thickness found, thinning included. [module]"""
     tip_rounding: float
+    """Radius of an arc between involute and tip circle, 0 for a sharp corner. [m]"""
     standard: bool
+    """Whether module or diametral pitch is one in use; else the pressure angle is assumed to be 20
+    deg.
+    """
 
     @property
     def diametral_pitch(self) -> float:

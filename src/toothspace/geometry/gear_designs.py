@@ -26,25 +26,17 @@ _LARGEST_DIFFERENCE = 1e-9
 @final
 @dataclass(frozen=True)
 class GearDesigns(ExternalPair[Array]):
-    """Pairs of external gears; arrays of one shape (n,).
-
-    Parameters
-    ----------
-    drive, driven : InvoluteGears
-        Gears.
-    center_distance : ndarray
-        Distances of the gear centres. [m]
-    face_width : ndarray
-        Widths over which the gears mesh. [m]
-    drives : bool
-        Whether the drive gear's flanks push the driven gear (pump) or are pushed (motor).
-    """
+    """Pairs of external gears; arrays of one shape (n,)."""
 
     drive: InvoluteGears
     driven: InvoluteGears
+    """Gears."""
     center_distance: Array
+    """Distances of the gear centres. [m]"""
     face_width: Array
+    """Widths over which the gears mesh. [m]"""
     drives: bool = True
+    """Whether the drive gear's flanks push the driven gear (pump) or are pushed (motor)."""
 
     @property
     def forms(self) -> tuple[InvoluteGears, InvoluteGears]:

@@ -29,77 +29,52 @@ _PARALLEL = 1e-4
 @final
 @dataclass(frozen=True)
 class FoundGear:
-    """A gear in a file.
-
-    Parameters
-    ----------
-    file : Path or Points
-        Where it was found.
-    name : str
-        Name of the body, empty without.
-    detected : DetectedGear
-        Teeth of its section.
-    body : int or None
-        Number of the body, the largest is 0; None in files of plane curves.
-    axis : ndarray, shape (3,)
-        Unit vector along the gear axis.
-    center : ndarray, shape (3,)
-        Point on the axis in the plane of the section. [m]
-    face_width : float or None
-        Length of the teeth; None in files of plane curves. [m]
-    length : float
-        Length of the body along the axis with its shaft; 0 in files of plane curves. [m]
-    helix_angle : float
-        Helix angle on the circle halfway up the teeth, positive for a right-hand helix, 0 for
-        spur teeth. [rad]
-    """
+    """A gear in a file."""
 
     file: Path | Points
+    """Where it was found."""
     name: str
+    """Name of the body, empty without."""
     detected: DetectedGear
+    """Teeth of its section."""
     body: int | None
+    """Number of the body, the largest is 0; None in files of plane curves."""
     axis: Array
+    """Unit vector along the gear axis. Shape (3,)."""
     center: Array
+    """Point on the axis in the plane of the section. Shape (3,). [m]"""
     face_width: float | None
+    """Length of the teeth; None in files of plane curves. [m]"""
     length: float
+    """Length of the body along the axis with its shaft; 0 in files of plane curves. [m]"""
     helix_angle: float
+    """Helix angle on the circle halfway up the teeth, positive for a right-hand helix, 0 for spur
+    teeth. [rad]
+    """
 
 
 @final
 @dataclass(frozen=True)
 class PlainBody:
-    """A body without teeth.
-
-    Parameters
-    ----------
-    file : Path
-        Where it was found.
-    name : str
-        Its name in the file, empty without.
-    body : int
-        Its number, the largest is 0.
-    """
+    """A body without teeth."""
 
     file: Path
+    """Where it was found."""
     name: str
+    """Its name in the file, empty without."""
     body: int
+    """Its number, the largest is 0."""
 
 
 @final
 @dataclass(frozen=True)
 class FileContents:
-    """Gears and other bodies of one file, or of several that were drawn in one frame.
-
-    Parameters
-    ----------
-    gears : tuple of FoundGear
-        Gears, largest tip circle first.
-    others : tuple of PlainBody
-        Bodies without teeth, largest first.
-    """
+    """Gears and other bodies of one file, or of several that were drawn in one frame."""
 
     gears: tuple[FoundGear, ...]
+    """Gears, largest tip circle first."""
     others: tuple[PlainBody, ...]
+    """Bodies without teeth, largest first."""
 
 
 def find_gears(

@@ -254,19 +254,13 @@ def tight_involute(drive: RackCutTeeth[Real], driven: RackCutTeeth[Real]) -> Rea
 @final
 @dataclass(frozen=True)
 class GearPair(ExternalPair[float]):
-    """Two gears at their operating centre distance; build it with one of the functions below.
-
-    Parameters
-    ----------
-    drive, driven : InvoluteGear
-        Gears of equal base pitch.
-    center_distance : float
-        Distance of the gear centres. [m]
-    """
+    """Two gears at their operating centre distance; build it with one of the functions below."""
 
     drive: InvoluteGear
     driven: InvoluteGear
+    """Gears of equal base pitch."""
     center_distance: float
+    """Distance of the gear centres. [m]"""
 
     @cached_property
     def forms(self) -> tuple[ToothForm, ToothForm]:

@@ -17,29 +17,21 @@ from toothspace.geometry.involute_gear import Real, plain
 @final
 @dataclass(frozen=True)
 class InvoluteFlank:
-    """Involute part of both flanks of a tooth that is centred on the x axis.
-
-    Parameters
-    ----------
-    base_radius : float
-        Radius of the base circle. [m]
-    base_half_angle : float
-        Half of the tooth's angular thickness on the base circle. [rad]
-    form_radius, tip_form_radius : float
-        Ends of the involute towards root fillet and tip. [m]
-    undercut : bool
-        Whether the root cuts involute away above the base circle.
-    residual : float
-        Root mean square of the normal distance of the points that the involute was fitted to;
-        0 for a generated tooth. [m]
-    """
+    """Involute part of both flanks of a tooth that is centred on the x axis."""
 
     base_radius: float
+    """Radius of the base circle. [m]"""
     base_half_angle: float
+    """Half of the tooth's angular thickness on the base circle. [rad]"""
     form_radius: float
     tip_form_radius: float
+    """Ends of the involute towards root fillet and tip. [m]"""
     undercut: bool = False
+    """Whether the root cuts involute away above the base circle."""
     residual: float = 0.0
+    """Root mean square of the normal distance of the points that the involute was fitted to; 0 for
+    a generated tooth. [m]
+    """
 
     def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
         """Half of the tooth's angular thickness at a radius of at least the base radius [rad]."""
@@ -79,34 +71,28 @@ class GearProfile:
     """One tooth pitch of a gear with identical teeth, own frame, centre at the origin.
 
     The tooth is centred on the +x axis (polar angle 0).
-
-    Parameters
-    ----------
-    tooth_count : int
-        Number of identical teeth.
-    points : ndarray
-        One pitch, shape (n, 2), counter-clockwise, from the middle of a tooth space at polar angle
-        ``-pi/tooth_count`` to the middle of the next at ``+pi/tooth_count``. [m]
-    tip_start, tip_end : int
-        Index of the first and of the last point on the tip land, where the profile reaches the tip
-        circle.
-    tip_radius, root_radius : float
-        Largest and smallest distance from the centre. [m]
-    involute : InvoluteFlank or None
-        Involute part of the flanks; None where no involute is known.
-    breaks : tuple of int
-        Indices, root to root, at which curvature or tangent jumps: a spline through a flank may be
-        cut there.
     """
 
     tooth_count: int
+    """Number of identical teeth."""
     points: Array
+    """One pitch, shape (n, 2), counter-clockwise, from the middle of a tooth space at polar angle
+    ``-pi/tooth_count`` to the middle of the next at ``+pi/tooth_count``. [m]
+    """
     tip_start: int
     tip_end: int
+    """Index of the first and of the last point on the tip land, where the profile reaches the tip
+    circle.
+    """
     tip_radius: float
     root_radius: float
+    """Largest and smallest distance from the centre. [m]"""
     involute: InvoluteFlank | None = None
+    """Involute part of the flanks; None where no involute is known."""
     breaks: tuple[int, ...] = ()
+    """Indices, root to root, at which curvature or tangent jumps: a spline through a flank may be
+    cut there.
+    """
 
     def __post_init__(self) -> None:
         if self.points.ndim != 2 or self.points.shape[1] != 2 or len(self.points) < 8:

@@ -29,30 +29,20 @@ __all__ = [
 @final
 @dataclass(frozen=True)
 class ToothForm:
-    """Where the parts of a generated tooth meet.
-
-    Parameters
-    ----------
-    form_radius : float
-        Start of the involute above the root fillet. [m]
-    tip_form_radius : float
-        End of the involute below tip circle or tip rounding. [m]
-    tip_half_angle : float
-        Half of the angle that the tip land covers. [rad]
-    undercut : bool
-        True where the root fillet cuts the involute instead of joining it tangentially.
-    undercut_depth : float
-        Height of the involute that the fillet removes above the base circle. [m]
-    fillet_end : float
-        Rack corner angle at which fillet and involute meet. [rad]
-    """
+    """Where the parts of a generated tooth meet."""
 
     form_radius: float
+    """Start of the involute above the root fillet. [m]"""
     tip_form_radius: float
+    """End of the involute below tip circle or tip rounding. [m]"""
     tip_half_angle: float
+    """Half of the angle that the tip land covers. [rad]"""
     undercut: bool
+    """True where the root fillet cuts the involute instead of joining it tangentially."""
     undercut_depth: float
+    """Height of the involute that the fillet removes above the base circle. [m]"""
     fillet_end: float
+    """Rack corner angle at which fillet and involute meet. [rad]"""
 
     @property
     def tip_land_angle(self) -> float:

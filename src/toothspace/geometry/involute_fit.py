@@ -37,25 +37,17 @@ LEFT, RIGHT = 1.0, -1.0
 @final
 @dataclass(frozen=True)
 class FlankPoints:
-    """Points of all teeth turned onto one tooth that is centred on the x axis.
-
-    Parameters
-    ----------
-    radius, angle : ndarray, shape (n,)
-        Polar coordinates; positive angles are on the left flank. [m], [rad]
-    weight : ndarray, shape (n,)
-        Part of the tooth height that each point stands for, any common factor. [-]
-    tooth : ndarray of int, shape (n,)
-        Tooth that each point belongs to, counter-clockwise.
-    tooth_count : int
-        Number of teeth that were turned onto one.
-    """
+    """Points of all teeth turned onto one tooth that is centred on the x axis."""
 
     radius: Array
     angle: Array
+    """Polar coordinates; positive angles are on the left flank. Shape (n,). [m], [rad]"""
     weight: Array
+    """Part of the tooth height that each point stands for, any common factor. Shape (n,). [-]"""
     tooth: NDArray[np.int64]
+    """Tooth that each point belongs to, counter-clockwise. Shape (n,)."""
     tooth_count: int
+    """Number of teeth that were turned onto one."""
 
     def on_side(self, side: float) -> FlankPoints:
         """Points of one flank, angles positive on either side."""
@@ -76,30 +68,24 @@ class FlankPoints:
 @final
 @dataclass(frozen=True)
 class InvoluteFit:
-    """Involute that lies closest to both flanks of a tooth, and how far they leave it.
-
-    Parameters
-    ----------
-    flank : InvoluteFlank
-        The involute and its ends.
-    turn : float
-        Polar angle of the tooth axis of the involute in the frame of the points. [rad]
-    left, right : ProfileDeviation
-        Deviation of each flank between the ends, median of all teeth.
-    cut : float
-        Largest distance of the flanks inside the involute between base circle and form radius,
-        0 without undercut. [m]
-    left_offset, right_offset : ndarray, shape (tooth_count,)
-        Median distance of each tooth's flank from the involute, positive for excess material. [m]
-    """
+    """Involute that lies closest to both flanks of a tooth, and how far they leave it."""
 
     flank: InvoluteFlank
+    """The involute and its ends."""
     turn: float
+    """Polar angle of the tooth axis of the involute in the frame of the points. [rad]"""
     left: ProfileDeviation
     right: ProfileDeviation
+    """Deviation of each flank between the ends, median of all teeth."""
     cut: float
+    """Largest distance of the flanks inside the involute between base circle and form radius, 0
+    without undercut. [m]
+    """
     left_offset: Array
     right_offset: Array
+    """Median distance of each tooth's flank from the involute, positive for excess material. Shape
+    (tooth_count,). [m]
+    """
 
     def pitch_deviation(self, radius: float) -> PitchDeviation:
         """Deviations of pitch and run-out on a circle of a radius [m]; see ``PitchDeviation``."""

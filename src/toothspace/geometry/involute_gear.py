@@ -89,26 +89,6 @@ class RackCutTeeth(Generic[Real]):
 class InvoluteGear(RackCutTeeth[float]):
     """Parameters of a spur gear that a straight-sided rack with rounded tip would cut.
 
-    Parameters
-    ----------
-    tooth_count : int
-        Number of teeth, 5 to 400.
-    module : float
-        Reference diameter over tooth count. [m]
-    pressure_angle : float
-        Flank angle of the rack. [rad]
-    profile_shift : float
-        Distance of the rack from its standard place, positive away from the centre. [module]
-    tip_diameter : float or None
-        Outside diameter; None for ``module (tooth_count + 2 + 2 profile_shift)``. [m]
-    dedendum : float
-        Depth of the root below the rack's reference line. [module]
-    tool_tip_radius : float or None
-        Radius of the rack's tip corners; None for 0.38, or for the fully rounded tip where 0.38
-        does not fit. [module]
-    tip_rounding : float
-        Radius of the arc that joins flank and tip circle tangentially, 0 for a sharp corner. [m]
-
     Raises
     ------
     GeometryError
@@ -116,13 +96,23 @@ class InvoluteGear(RackCutTeeth[float]):
     """
 
     tooth_count: int
+    """Number of teeth, 5 to 400."""
     module: float
+    """Reference diameter over tooth count. [m]"""
     pressure_angle: float = np.deg2rad(20.0)
+    """Flank angle of the rack. [rad]"""
     profile_shift: float = 0.0
+    """Distance of the rack from its standard place, positive away from the centre. [module]"""
     tip_diameter: float | None = None
+    """Outside diameter; None for ``module (tooth_count + 2 + 2 profile_shift)``. [m]"""
     dedendum: float = 1.25
+    """Depth of the root below the rack's reference line. [module]"""
     tool_tip_radius: float | None = None
+    """Radius of the rack's tip corners; None for 0.38, or for the fully rounded tip where 0.38 does
+    not fit. [module]
+    """
     tip_rounding: float = 0.0
+    """Radius of the arc that joins flank and tip circle tangentially, 0 for a sharp corner. [m]"""
 
     def __post_init__(self) -> None:
         count = self.tooth_count

@@ -24,32 +24,22 @@ _ARC_SAMPLES = 4
 @final
 @dataclass(frozen=True)
 class InvoluteGears(RackCutTeeth[Array]):
-    """Gears that straight-sided racks cut, as :class:`InvoluteGear`; arrays of one shape (n,).
-
-    Parameters
-    ----------
-    tooth_count : ndarray
-        Numbers of teeth.
-    module, pressure_angle, profile_shift : ndarray
-        Rack and its place. [m], [rad], [module]
-    tip_diameter : ndarray
-        Outside diameters. [m]
-    dedendum : ndarray
-        Depth of the root below the reference line. [module]
-    tool_tip_radius : ndarray
-        Radius of the rack's tip corners; NaN for 0.38, or the fully rounded tip. [module]
-    tip_rounding : ndarray
-        Radius between flank and tip circle. [m]
-    """
+    """Gears that straight-sided racks cut, as :class:`InvoluteGear`; arrays of one shape (n,)."""
 
     tooth_count: Array
+    """Numbers of teeth."""
     module: Array
     pressure_angle: Array
     profile_shift: Array
+    """Rack and its place. [m], [rad], [module]"""
     tip_diameter: Array
+    """Outside diameters. [m]"""
     dedendum: Array
+    """Depth of the root below the reference line. [module]"""
     tool_tip_radius: Array
+    """Radius of the rack's tip corners; NaN for 0.38, or the fully rounded tip. [module]"""
     tip_rounding: Array
+    """Radius between flank and tip circle. [m]"""
 
     @classmethod
     def of(cls, gear: InvoluteGear) -> InvoluteGears:

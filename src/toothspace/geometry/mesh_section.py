@@ -35,18 +35,12 @@ _LEAST_FACE = 1e-4
 @final
 @dataclass(frozen=True)
 class SurfaceMesh:
-    """Triangles of one body.
-
-    Parameters
-    ----------
-    vertices : ndarray, shape (n, 3)
-        Corners, each once. [m]
-    faces : ndarray of int, shape (m, 3)
-        Corners of the triangles, counter-clockwise seen from outside.
-    """
+    """Triangles of one body."""
 
     vertices: Array
+    """Corners, each once. Shape (n, 3). [m]"""
     faces: _Faces
+    """Corners of the triangles, counter-clockwise seen from outside. Shape (m, 3)."""
 
     @property
     def volume(self) -> float:

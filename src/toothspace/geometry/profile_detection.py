@@ -48,40 +48,28 @@ _FEWEST_POINTS = 16
 @final
 @dataclass(frozen=True)
 class DetectedGear:
-    """What a gear outline contains.
-
-    Parameters
-    ----------
-    profile : GearProfile
-        Smooth tooth, own frame, centred on the x axis: where the flanks are involutes, the one
-        that fits all teeth; root and tip are the median of all teeth.
-    drawn : GearProfile
-        Median of all teeth as in the outline.
-    involute : InvoluteFit or None
-        The fit with its form error; None where the flanks are no involutes.
-    chord_height : float
-        Largest distance of the chords of the outline from the flanks between its points. [m]
-    center : tuple of float
-        Gear centre in the frame of the outline. [m]
-    phase : float
-        Polar angle of the first tooth axis about the centre, 0 to one pitch. [rad]
-    tooth_count : int
-        Number of teeth.
-    tooth_deviation : ndarray
-        Largest distance of each tooth from the median tooth, shape (tooth_count,). [m]
-    deviations : ToothDeviations or None
-        Deviations of every tooth from the fit; None without one, or in an outline of one pitch.
-    """
+    """What a gear outline contains."""
 
     profile: GearProfile
+    """Smooth tooth, own frame, centred on the x axis: where the flanks are involutes, the one that
+    fits all teeth; root and tip are the median of all teeth.
+    """
     drawn: GearProfile
+    """Median of all teeth as in the outline."""
     involute: InvoluteFit | None
+    """The fit with its form error; None where the flanks are no involutes."""
     chord_height: float
+    """Largest distance of the chords of the outline from the flanks between its points. [m]"""
     center: tuple[float, float]
+    """Gear centre in the frame of the outline. [m]"""
     phase: float
+    """Polar angle of the first tooth axis about the centre, 0 to one pitch. [rad]"""
     tooth_count: int
+    """Number of teeth."""
     tooth_deviation: Array
+    """Largest distance of each tooth from the median tooth, shape (tooth_count,). [m]"""
     deviations: ToothDeviations | None = None
+    """Deviations of every tooth from the fit; None without one, or in an outline of one pitch."""
 
 
 def gear_profile_from_curve(

@@ -26,18 +26,12 @@ _LEAST_AREA = 1e-8
 @final
 @dataclass(frozen=True)
 class MachineFrame:
-    """Frame of an external gear machine within a file.
-
-    Parameters
-    ----------
-    origin : ndarray, shape (3,)
-        Centre of the drive gear in the middle of its teeth. [m]
-    rows : ndarray, shape (3, 3)
-        x towards the outlet, y towards the driven gear, z along the axis.
-    """
+    """Frame of an external gear machine within a file."""
 
     origin: Array
+    """Centre of the drive gear in the middle of its teeth. Shape (3,). [m]"""
     rows: Array
+    """x towards the outlet, y towards the driven gear, z along the axis. Shape (3, 3)."""
 
     @property
     def height(self) -> float:

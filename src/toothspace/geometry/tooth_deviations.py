@@ -30,23 +30,17 @@ _SIDES = {"l": "left", "r": "right"}
 @final
 @dataclass(frozen=True)
 class ToothDeviations:
-    """How far the flanks of every tooth stand off the involute of the gear.
-
-    Parameters
-    ----------
-    roll_length : ndarray, shape (n,)
-        Places on the flank, rising. [m]
-    left, right : ndarray, shape (tooth_count, n)
-        Distance along the normal, pitch deviation included, positive for excess material; teeth
-        counter-clockwise. [m]
-    tip : ndarray, shape (tooth_count,)
-        Radius of every tip above that of the gear. [m]
-    """
+    """How far the flanks of every tooth stand off the involute of the gear."""
 
     roll_length: Array
+    """Places on the flank, rising. Shape (n,). [m]"""
     left: Array
     right: Array
+    """Distance along the normal, pitch deviation included, positive for excess material; teeth
+    counter-clockwise. Shape (tooth_count, n). [m]
+    """
     tip: Array
+    """Radius of every tip above that of the gear. Shape (tooth_count,). [m]"""
 
 
 def even_nodes(flank: InvoluteFlank) -> Array:

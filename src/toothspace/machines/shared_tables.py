@@ -65,36 +65,25 @@ def draft_line(key: str, value: object, note: str = "") -> str:
 @final
 @dataclass(frozen=True)
 class CaseDraft:
-    """First case file of a machine that was found in CAD files.
-
-    Parameters
-    ----------
-    text : str
-        TOML with comments on what was found and what is assumed.
-    parts : int
-        How many parts of the files it uses.
-    """
+    """First case file of a machine that was found in CAD files."""
 
     text: str
+    """TOML with comments on what was found and what is assumed."""
     parts: int
+    """How many parts of the files it uses."""
 
 
 @final
 @dataclass(frozen=True)
 class MachineType:
-    """A machine type as it is found by name.
-
-    Parameters
-    ----------
-    name : str
-        Name in ``machine.type``.
-    describe : callable
-        From the definition of a machine, and optionally about how many table nodes on a turn, to
-        its description; ``GeometryError`` if it cannot be built.
-    """
+    """A machine type as it is found by name."""
 
     name: str
+    """Name in ``machine.type``."""
     describe: Callable[..., MachineDescription]
+    """From the definition of a machine, and optionally about how many table nodes on a turn, to its
+    description; ``GeometryError`` if it cannot be built.
+    """
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -45,27 +45,18 @@ class Column:
 @final
 @dataclass(frozen=True)
 class AngleTable:
-    """All columns of one chamber family, path or contact over its table angle.
-
-    Parameters
-    ----------
-    name : str
-        Name of the family, path or contact.
-    meaning : str
-        What it is, for the header.
-    angle_ratio : float
-        Growth of the table angle per shaft angle. [-]
-    phases : ndarray
-        Table angle of each member at shaft angle zero. [rad]
-    columns : tuple of Column
-        Quantities; the first is the table angle [rad].
-    """
+    """All columns of one chamber family, path or contact over its table angle."""
 
     name: str
+    """Name of the family, path or contact."""
     meaning: str
+    """What it is, for the header."""
     angle_ratio: float
+    """Growth of the table angle per shaft angle. [-]"""
     phases: Array
+    """Table angle of each member at shaft angle zero. [rad]"""
     columns: tuple[Column, ...]
+    """Quantities; the first is the table angle [rad]."""
 
 
 def angle_tables(

@@ -56,37 +56,27 @@ _LEAST_VOLUME = 1e-4
 @final
 @dataclass(frozen=True)
 class System:
-    """One machine at one condition, ready to be marched in time.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        The machine, with its load orifice among the paths if there is one.
-    condition : OperatingCondition
-        Speed, ports, tolerance.
-    arrays : SystemArrays
-        What compiled code reads and writes.
-    pattern : ndarray of bool, shape (total, core)
-        Where the derivatives by the unknowns of the iteration may be nonzero.
-    basis : ndarray of bool, shape (core, core)
-        Where the core states may depend on the unknowns.
-    free_motions : tuple of int
-        Positions of the free micro-motions in ``description.motions``.
-    motion_map : ndarray, shape (motions, free)
-        All micro-motions from the free ones (the rigid mesh ties one rotation); bearing blocks
-        that move have two more columns, of zeros.
-    categories : tuple of PathCategory
-        What the flow paths are booked under, in the order of the ledger.
-    """
+    """One machine at one condition, ready to be marched in time."""
 
     description: MachineDescription
+    """The machine, with its load orifice among the paths if there is one."""
     condition: OperatingCondition
+    """Speed, ports, tolerance."""
     arrays: SystemArrays
+    """What compiled code reads and writes."""
     pattern: BoolArray
+    """Where the derivatives by the unknowns of the iteration may be nonzero. Shape (total, core).
+    """
     basis: BoolArray
+    """Where the core states may depend on the unknowns. Shape (core, core)."""
     free_motions: tuple[int, ...]
+    """Positions of the free micro-motions in ``description.motions``."""
     motion_map: Array
+    """All micro-motions from the free ones (the rigid mesh ties one rotation); bearing blocks that
+    move have two more columns, of zeros. Shape (motions, free).
+    """
     categories: tuple[PathCategory, ...]
+    """What the flow paths are booked under, in the order of the ledger."""
 
     @property
     def contact_labels(self) -> list[str]:

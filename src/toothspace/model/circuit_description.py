@@ -29,71 +29,53 @@ _NO_KNOTS: Array = np.zeros((0, 2))
 @final
 @dataclass(frozen=True)
 class CircuitNode:
-    """A place of one pressure in a circuit.
-
-    Parameters
-    ----------
-    name : str
-        ``inlet`` and ``outlet`` are those of the machine.
-    pressure : float
-        Absolute pressure, held if the node is a tank, else at the start. [Pa]
-    volume : float
-        Fluid volume at zero pressure; zero makes the node a tank. [m3]
-    wall_compliance : float
-        Growth of the volume per pressure. [m3/Pa]
-    gas_volume : float
-        Volume of the gas charge of an accumulator. [m3]
-    precharge : float
-        Absolute pressure of that charge without fluid. [Pa]
-    gas_exponent : float
-        Polytropic exponent of the charge, not one. [-]
-    """
+    """A place of one pressure in a circuit."""
 
     name: str
+    """``inlet`` and ``outlet`` are those of the machine."""
     pressure: float
+    """Absolute pressure, held if the node is a tank, else at the start. [Pa]"""
     volume: float = 0.0
+    """Fluid volume at zero pressure; zero makes the node a tank. [m3]"""
     wall_compliance: float = 0.0
+    """Growth of the volume per pressure. [m3/Pa]"""
     gas_volume: float = 0.0
+    """Volume of the gas charge of an accumulator. [m3]"""
     precharge: float = 1e5
+    """Absolute pressure of that charge without fluid. [Pa]"""
     gas_exponent: float = 1.4
+    """Polytropic exponent of the charge, not one. [-]"""
 
 
 @final
 @dataclass(frozen=True)
 class CircuitElement:
-    """An element that joins two nodes; flow counts from a to b.
-
-    Parameters
-    ----------
-    kind : str
-        ``supply_pump``: displacement [m3/rad], volumetric efficiency at zero pressure difference
-        [-], its change per pressure rise [1/Pa] and leakage per pressure rise [m3/(s Pa)]; the
-        schedule is its speed. ``pressure_valve`` (relief, check): opening pressure difference
-        [Pa], pressure rise per flow [Pa s/m3] and rounding of the opening point [Pa].
-        ``proportional_valve``: effective area when fully open [m2]; the schedule is its
-        opening from 0 to 1. ``resistance``: pressure drop per flow [Pa s/m3] and per flow
-        squared [Pa s2/m6]. ``fluid_column``: inertance [kg/m4], laminar pressure drop per flow
-        [Pa s/m3] and flow at a Reynolds number of 2300 [m3/s].
-    node_a, node_b : str
-        Names of nodes; ``supply`` is the tank of a pump.
-    parameters : tuple of float
-        See ``kind``.
-    schedule : ndarray, shape (knots, 2)
-        Time [s] and value, joined by straight lines.
-    efficiency_map : ndarray, shape (rows, 2), or None
-        Map of the volumetric efficiency of a supply pump instead of its line, as
-        :func:`toothspace.model.circuit.map_efficiency` reads it.
-    memory : ndarray, shape (branches, 2)
-        Friction of a fluid column that remembers: decay rate [1/s] and resistance [Pa s/m3].
-    """
+    """An element that joins two nodes; flow counts from a to b."""
 
     kind: ElementKind
+    """``supply_pump``: displacement [m3/rad], volumetric efficiency at zero pressure difference
+    [-], its change per pressure rise [1/Pa] and leakage per pressure rise [m3/(s Pa)]; the schedule
+    is its speed. ``pressure_valve`` (relief, check): opening pressure difference [Pa], pressure
+    rise per flow [Pa s/m3] and rounding of the opening point [Pa]. ``proportional_valve``:
+    effective area when fully open [m2]; the schedule is its opening from 0 to 1. ``resistance``:
+    pressure drop per flow [Pa s/m3] and per flow squared [Pa s2/m6]. ``fluid_column``: inertance
+    [kg/m4], laminar pressure drop per flow [Pa s/m3] and flow at a Reynolds number of 2300 [m3/s].
+    """
     node_a: str
     node_b: str
+    """Names of nodes; ``supply`` is the tank of a pump."""
     parameters: tuple[float, ...]
+    """See ``kind``."""
     schedule: Array = field(default_factory=lambda: _NO_KNOTS)
+    """Time [s] and value, joined by straight lines. Shape (knots, 2)."""
     efficiency_map: Array | None = None
+    """Map of the volumetric efficiency of a supply pump instead of its line, as
+    :func:`toothspace.model.circuit.map_efficiency` reads it. Shape (rows, 2).
+    """
     memory: Array = field(default_factory=lambda: _NO_KNOTS)
+    """Friction of a fluid column that remembers, shape (branches, 2): decay rate [1/s] and
+    resistance [Pa s/m3].
+    """
 
     @property
     def states(self) -> int:
@@ -114,22 +96,15 @@ class CircuitOrifice:
 @final
 @dataclass(frozen=True)
 class CircuitNetwork:
-    """Nodes, elements and orifices round a machine.
-
-    Parameters
-    ----------
-    nodes : tuple of CircuitNode
-        Places with volume, and tanks.
-    elements, orifices
-        What joins them.
-    supply_pressure : float
-        Absolute pressure of the tank that supply pumps draw from. [Pa]
-    """
+    """Nodes, elements and orifices round a machine."""
 
     nodes: tuple[CircuitNode, ...]
+    """Places with volume, and tanks."""
     elements: tuple[CircuitElement, ...] = ()
     orifices: tuple[CircuitOrifice, ...] = ()
+    """What joins them."""
     supply_pressure: float = 1e5
+    """Absolute pressure of the tank that supply pumps draw from. [Pa]"""
 
 
 @final
@@ -144,40 +119,29 @@ class ShaftCoupling:
 @final
 @dataclass(frozen=True, kw_only=True)
 class FreeShaft:
-    """A shaft that turns as the torques on it let it.
-
-    Parameters
-    ----------
-    inertia : float
-        Moment of inertia of load and shaft without the machine's bodies. [kg m2]
-    linear, cubic, constant : float
-        Torque of the load: linear w + square w|w| + cubic w^3 + constant.
-        [N m s], [N m s3], [N m]
-    breakaway_torque : float
-        Largest friction at rest; zero leaves out start-up friction. [N m]
-    breakaway_speed : float
-        Speed up to which friction stays at the breakaway torque. [rad/s]
-    additive : bool
-        Whether the boundary friction of the interfaces adds to the breakaway torque; else
-        it stands for all of them and they fade in with speed.
-    load_schedule : ndarray, shape (knots, 2)
-        Time [s] and further torque of the load [N m], joined by straight lines.
-    square : float
-        Torque of the load per speed squared. [N m s2]
-    coupling : ShaftCoupling or None
-        Elastic coupling between the machine and its load; None joins them rigidly.
-    """
+    """A shaft that turns as the torques on it let it."""
 
     inertia: float
+    """Moment of inertia of load and shaft without the machine's bodies. [kg m2]"""
     linear: float = 0.0
     cubic: float = 0.0
     constant: float = 0.0
+    """Torque of the load: linear w + square w|w| + cubic w^3 + constant. [N m s], [N m s3], [N m]
+    """
     breakaway_torque: float = 0.0
+    """Largest friction at rest; zero leaves out start-up friction. [N m]"""
     breakaway_speed: float = 0.7
+    """Speed up to which friction stays at the breakaway torque. [rad/s]"""
     additive: bool = False
+    """Whether the boundary friction of the interfaces adds to the breakaway torque; else it stands
+    for all of them and they fade in with speed.
+    """
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
+    """Time [s] and further torque of the load [N m], joined by straight lines. Shape (knots, 2)."""
     square: float = 0.0
+    """Torque of the load per speed squared. [N m s2]"""
     coupling: ShaftCoupling | None = None
+    """Elastic coupling between the machine and its load; None joins them rigidly."""
 
 
 def column_states(circuit: CircuitNetwork | None) -> int:

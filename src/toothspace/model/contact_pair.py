@@ -28,62 +28,6 @@ class ContactPair:
     With a rigid mesh one pair carries its load by shares. Without, every contact of every
     pair is compliant: it pushes where its gap closes, and nothing else ties the bodies.
 
-    Parameters
-    ----------
-    name : str
-        Label, for example ``drive_flank``.
-    body_a, body_b : str
-        Bodies in contact; the normal points from a to b.
-    angle_ratio : float
-        Growth of the table angle per shaft angle. [-]
-    phases : ndarray, shape (count,)
-        Table angle of each contact at shaft angle zero. [rad]
-    geometry : PeriodicTable
-        Channels of :data:`CONTACT_CHANNELS`; a negative radius is concave. The gap is that at
-        zero micro-motion. Sliding is the speed of body b relative to body a along the tangent
-        (normal turned by +90 degrees), signed, per shaft speed; ``load_share`` counts only in
-        a rigid mesh. Where two surfaces face away, give the ``facing_gap`` or more.
-    gap_by_motion : PeriodicTable, one channel per motion
-        Derivative of the gap; also the generalised direction of the contact force. [-], [m/rad]
-    width : float
-        Length of the contact line. [m]
-    effective_modulus : float
-        E' = 2 / [...] of the pair. [Pa]
-    roughness : float
-        Combined root mean square roughness of the flanks. [m]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
-    limiting_shear : float
-        Limiting shear strength proportionality of the lubricant (gamma). [-]
-    slip_by_motion : PeriodicTable or None
-        Derivative of the tangential displacement of body b relative to body a by every
-        motion: with the tangent t for x and y of body b, minus t for those of body a, and for
-        a rotation the distance of the contact from the body's centre along the normal, minus
-        it for body a. Friction then acts on these motions; None: on the shaft only. [-], [m/rad]
-    law : str
-        Elastic law of a compliant contact: ``hertz_line`` (approach of points below the
-        surface), ``johnson``, ``pereira`` (``hertz_line`` where radii inside each other differ
-        by more than 10 mm) or ``linear`` (``structure_stiffness`` alone).
-    structure_stiffness : float
-        Stiffness of teeth and bodies behind the contact, in series. [N/m]
-    depth : float
-        Largest depth of the points of ``hertz_line``, size of the bodies. [m]
-    onset : float or None
-        Overlap over which contact builds up, on both sides of touch; None: the roughness. [m]
-    restitution : float
-        Coefficient of restitution of an impact at ``approach_speed``. [-]
-    approach_speed : float or None
-        Speed of that impact; None: each impact at the speed at which its surfaces meet, so that
-        the restitution holds for all. [m/s]
-    friction_account : str
-        Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``.
-    squeeze_film : bool
-        Whether liquid between the surfaces resists their approach.
-    facing_gap : float
-        Gap from which on the surfaces face away from each other and cannot touch. [m]
-    own : tuple of PeriodicTable
-        Geometry of each contact where teeth differ, in place of the one that all share.
-
     Notes
     -----
     Compliant contact with overlap :math:`x = -g` and elastic energy U(x):
@@ -95,28 +39,65 @@ class ContactPair:
     """
 
     name: str
+    """Label, for example ``drive_flank``."""
     body_a: str
     body_b: str
+    """Bodies in contact; the normal points from a to b."""
     angle_ratio: float
+    """Growth of the table angle per shaft angle. [-]"""
     phases: Array
+    """Table angle of each contact at shaft angle zero. Shape (count,). [rad]"""
     geometry: PeriodicTable
+    """Channels of :data:`CONTACT_CHANNELS`; a negative radius is concave. The gap is that at zero
+    micro-motion. Sliding is the speed of body b relative to body a along the tangent (normal turned
+    by +90 degrees), signed, per shaft speed; ``load_share`` counts only in a rigid mesh. Where two
+    surfaces face away, give the ``facing_gap`` or more.
+    """
     gap_by_motion: PeriodicTable
+    """Derivative of the gap; also the generalised direction of the contact force. One channel per
+    motion. [-], [m/rad]
+    """
     width: float
+    """Length of the contact line. [m]"""
     effective_modulus: float
+    """E' = 2 / [...] of the pair. [Pa]"""
     roughness: float
+    """Combined root mean square roughness of the flanks. [m]"""
     boundary_friction: float = 0.10
+    """Friction coefficient of touching asperities. [-]"""
     limiting_shear: float = 0.05
+    """Limiting shear strength proportionality of the lubricant (gamma). [-]"""
     slip_by_motion: PeriodicTable | None = None
+    """Derivative of the tangential displacement of body b relative to body a by every motion: with
+    the tangent t for x and y of body b, minus t for those of body a, and for a rotation the
+    distance of the contact from the body's centre along the normal, minus it for body a. Friction
+    then acts on these motions; None: on the shaft only. [-], [m/rad]
+    """
     law: Literal["hertz_line", "johnson", "pereira", "linear"] = "hertz_line"
+    """Elastic law of a compliant contact: ``hertz_line`` (approach of points below the surface),
+    ``johnson``, ``pereira`` (``hertz_line`` where radii inside each other differ by more than 10
+    mm) or ``linear`` (``structure_stiffness`` alone).
+    """
     structure_stiffness: float = math.inf
+    """Stiffness of teeth and bodies behind the contact, in series. [N/m]"""
     depth: float = math.inf
+    """Largest depth of the points of ``hertz_line``, size of the bodies. [m]"""
     onset: float | None = None
+    """Overlap over which contact builds up, on both sides of touch; None: the roughness. [m]"""
     restitution: float = 0.8
+    """Coefficient of restitution of an impact at ``approach_speed``. [-]"""
     approach_speed: float | None = 0.1
+    """Speed of that impact; None: each impact at the speed at which its surfaces meet, so that the
+    restitution holds for all. [m/s]
+    """
     friction_account: Literal["mesh_friction", "contact_friction"] = "contact_friction"
+    """Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``."""
     squeeze_film: bool = False
+    """Whether liquid between the surfaces resists their approach."""
     facing_gap: float = math.inf
+    """Gap from which on the surfaces face away from each other and cannot touch. [m]"""
     own: tuple[PeriodicTable, ...] = ()
+    """Geometry of each contact where teeth differ, in place of the one that all share."""
 
     @property
     def count(self) -> int:
@@ -127,22 +108,15 @@ class ContactPair:
 @final
 @dataclass(frozen=True)
 class RigidMesh:
-    """Contact of rigid flanks that ties one rotation to the other motions.
-
-    Parameters
-    ----------
-    contact : str
-        Name of the :class:`ContactPair` that carries the load.
-    motion : int
-        Index of the rotation that follows from contact.
-    coefficients : ndarray, one per motion
-        ``q[motion] = coefficients @ q`` of the other motions. [1/m]
-    lever : float
-        Derivative of the contact's gap with respect to that rotation, signed; its size is the
-        base radius of the driven body. Contact force = -(torque on that body) / lever. [m]
-    """
+    """Contact of rigid flanks that ties one rotation to the other motions."""
 
     contact: str
+    """Name of the :class:`ContactPair` that carries the load."""
     motion: int
+    """Index of the rotation that follows from contact."""
     coefficients: Array
+    """``q[motion] = coefficients @ q`` of the other motions. One per motion. [1/m]"""
     lever: float
+    """Derivative of the contact's gap with respect to that rotation, signed; its size is the base
+    radius of the driven body. Contact force = -(torque on that body) / lever. [m]
+    """

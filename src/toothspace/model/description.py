@@ -59,34 +59,24 @@ BodyRole = Literal["shaft", "driven", "floating"]
 @final
 @dataclass(frozen=True)
 class Body:
-    """A rigid body that may move by micrometres about its kinematic place.
-
-    Parameters
-    ----------
-    name : str
-        Label in results, for example ``drive_gear``.
-    center : tuple of float
-        Nominal centre. [m]
-    speed_ratio : float
-        Angular speed over shaft speed, negative if it turns the other way. [-]
-    mass : float
-        Mass. [kg]
-    inertia : float
-        Moment of inertia about its axis. [kg m2]
-    role : str
-        ``shaft``: the body that sits on the drive shaft; ``driven``: turned by it through the
-        teeth, whichever way; ``floating``: does not turn.
-    wetted_area : float
-        Area of the teeth that the oil in the chambers wets. [m2]
-    """
+    """A rigid body that may move by micrometres about its kinematic place."""
 
     name: str
+    """Label in results, for example ``drive_gear``."""
     center: tuple[float, float]
+    """Nominal centre. [m]"""
     speed_ratio: float
+    """Angular speed over shaft speed, negative if it turns the other way. [-]"""
     mass: float
+    """Mass. [kg]"""
     inertia: float
+    """Moment of inertia about its axis. [kg m2]"""
     role: BodyRole
+    """``shaft``: the body that sits on the drive shaft; ``driven``: turned by it through the teeth,
+    whichever way; ``floating``: does not turn.
+    """
     wetted_area: float = 0.0
+    """Area of the teeth that the oil in the chambers wets. [m2]"""
 
 
 def categories_of(paths: Iterable[FlowPath]) -> tuple[PathCategory, ...]:
@@ -97,181 +87,125 @@ def categories_of(paths: Iterable[FlowPath]) -> tuple[PathCategory, ...]:
 @final
 @dataclass(frozen=True, eq=False)
 class SolvedJournal:
-    """What a solved Reynolds equation puts in place of the closed form of a journal bearing.
-
-    Parameters
-    ----------
-    force_nodes : ndarray
-        Nodes of a :class:`~toothspace.closures.bearing_map.JournalMap`. [-]
-    shear : ndarray, shape (n,)
-        Viscous shear over that of the closed form, at eccentricity ratios from 0 to
-        ``shear_range`` in equal steps. [-]
-    shear_range : float
-        Last eccentricity ratio; beyond it the last value holds. [-]
-    """
+    """What a solved Reynolds equation puts in place of the closed form of a journal bearing."""
 
     force_nodes: Array
+    """Nodes of a :class:`~toothspace.closures.bearing_map.JournalMap`. [-]"""
     shear: Array
+    """Viscous shear over that of the closed form, at eccentricity ratios from 0 to ``shear_range``
+    in equal steps. Shape (n,). [-]
+    """
     shear_range: float = 1.0
+    """Last eccentricity ratio; beyond it the last value holds. [-]"""
 
 
 @final
 @dataclass(frozen=True)
 class LumpedJournalBearing:
-    """Equal journal bearings of one body, sharing its radial load.
-
-    Parameters
-    ----------
-    body : str
-        Body that they carry.
-    count : int
-        Number of bearings.
-    diameter, length, radial_clearance : float
-        Size of each bearing. [m]
-    roughness : float
-        Combined root mean square roughness of journal and bush. [m]
-    correlation_length : float
-        Half-height correlation length of the combined roughness. [m]
-    effective_modulus : float
-        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
-    hardness : float
-        Hardness of the softer surface. [Pa]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
-    seat_clearance : float
-        Radial clearance of the bearing blocks in the housing; they rest against the wall
-        in the direction of the mean load. [m]
-    end_condition : str
-        Both ends of the film: ``pressure`` (open, fluid leaves there) or ``no_flow`` (closed by
-        walls: pressure is uniform along the axis, the limit of a long bearing).
-    solved : SolvedJournal or None
-        Solved film in place of the closed form.
-    friction : FrictionCurves or None
-        Friction coefficient over load and Sommerfeld number, in place of the closed form.
-    viscosity_ratio : float
-        Viscosity in the film over that of the fluid. [-]
-    """
+    """Equal journal bearings of one body, sharing its radial load."""
 
     body: str
+    """Body that they carry."""
     count: int
+    """Number of bearings."""
     diameter: float
     length: float
     radial_clearance: float
+    """Size of each bearing. [m]"""
     roughness: float
+    """Combined root mean square roughness of journal and bush. [m]"""
     correlation_length: float
+    """Half-height correlation length of the combined roughness. [m]"""
     effective_modulus: float
+    """E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]"""
     hardness: float
+    """Hardness of the softer surface. [Pa]"""
     boundary_friction: float
+    """Friction coefficient of touching asperities. [-]"""
     seat_clearance: float = 0.0
+    """Radial clearance of the bearing blocks in the housing; they rest against the wall in the
+    direction of the mean load. [m]
+    """
     end_condition: Literal["pressure", "no_flow"] = "pressure"
+    """Both ends of the film: ``pressure`` (open, fluid leaves there) or ``no_flow`` (closed by
+    walls: pressure is uniform along the axis, the limit of a long bearing).
+    """
     solved: SolvedJournal | None = None
+    """Solved film in place of the closed form."""
     friction: FrictionCurves | None = None
+    """Friction coefficient over load and Sommerfeld number, in place of the closed form."""
     viscosity_ratio: float = 1.0
+    """Viscosity in the film over that of the fluid. [-]"""
 
 
 @final
 @dataclass(frozen=True)
 class FreeBlocks:
-    """Bearing blocks that move together in the housing and carry the bearings of all bodies.
-
-    Parameters
-    ----------
-    mass : float
-        Mass of all blocks. [kg]
-    film : LumpedJournalBearing
-        Film and asperities between blocks and housing; does not turn.
-    port_area : float
-        Projected area on which the pressures of inlet and outlet press the blocks towards the
-        other port. [m2]
-    """
+    """Bearing blocks that move together in the housing and carry the bearings of all bodies."""
 
     mass: float
+    """Mass of all blocks. [kg]"""
     film: LumpedJournalBearing
+    """Film and asperities between blocks and housing; does not turn."""
     port_area: float = 0.0
+    """Projected area on which the pressures of inlet and outlet press the blocks towards the other
+    port. [m2]
+    """
 
 
 @final
 @dataclass(frozen=True)
 class LumpedLateralFilm:
-    """Film on the faces of one body, with a closed form for its friction.
-
-    Parameters
-    ----------
-    body : str
-        Body whose faces it covers.
-    faces : int
-        Number of faces.
-    height : float
-        Film height at the axis. [m]
-    inner_radius, root_radius, outer_radius : float
-        Shaft, full annulus and tooth tip radius. [m]
-    tooth_area_fraction : float
-        Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]
-    tilt : float
-        Change of height at the outer radius over the height at the axis (0 parallel). [-]
-    face : FilmFace or None
-        What stands before its faces, if the machine type gives it.
-    drag : float or None
-        Torque per viscosity and speed of the body on one face, in place of the closed form.
-        [m3]
-    asperity_share : float
-        Part of the torque that touching asperities cause. [-]
-    viscosity_ratio : float
-        Viscosity in the film over that of the fluid. [-]
-    """
+    """Film on the faces of one body, with a closed form for its friction."""
 
     body: str
+    """Body whose faces it covers."""
     faces: int
+    """Number of faces."""
     height: float
+    """Film height at the axis. [m]"""
     inner_radius: float
     root_radius: float
     outer_radius: float
+    """Shaft, full annulus and tooth tip radius. [m]"""
     tooth_area_fraction: float
+    """Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]"""
     tilt: float = 0.0
+    """Change of height at the outer radius over the height at the axis (0 parallel). [-]"""
     face: FilmFace | None = None
+    """What stands before its faces, if the machine type gives it."""
     drag: float | None = None
+    """Torque per viscosity and speed of the body on one face, in place of the closed form. [m3]"""
     asperity_share: float = 0.0
+    """Part of the torque that touching asperities cause. [-]"""
     viscosity_ratio: float = 1.0
+    """Viscosity in the film over that of the fluid. [-]"""
 
 
 @final
 @dataclass(frozen=True)
 class RunningIn:
-    """Condition at which the bodies cut their track into the casing before use.
-
-    Parameters
-    ----------
-    pressure : float
-        Absolute pressure on the high-pressure side; the low side is at one atmosphere. [Pa]
-    shaft_speed : float
-        Shaft speed. [rad/s]
-    temperature : float
-        Fluid temperature. [K]
-    """
+    """Condition at which the bodies cut their track into the casing before use."""
 
     pressure: float
+    """Absolute pressure on the high-pressure side; the low side is at one atmosphere. [Pa]"""
     shaft_speed: float
+    """Shaft speed. [rad/s]"""
     temperature: float
+    """Fluid temperature. [K]"""
 
 
 @final
 @dataclass(frozen=True)
 class StartupFriction:
-    """Friction that holds the shaft at rest.
-
-    Parameters
-    ----------
-    torque : float
-        Breakaway torque. [N m]
-    speed : float
-        Speed up to which friction stays there. [rad/s]
-    additive : bool
-        Whether the interfaces resist besides; else the torque stands for all of them.
-    """
+    """Friction that holds the shaft at rest."""
 
     torque: float
+    """Breakaway torque. [N m]"""
     speed: float
+    """Speed up to which friction stays there. [rad/s]"""
     additive: bool = False
+    """Whether the interfaces resist besides; else the torque stands for all of them."""
 
 
 @final

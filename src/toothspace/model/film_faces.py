@@ -43,53 +43,35 @@ class FaceMap(Protocol):
 @final
 @dataclass(frozen=True)
 class FaceBody:
-    """A turning body before the wall.
-
-    Parameters
-    ----------
-    name : str
-        The body.
-    center : tuple of float
-        Its axis. [m]
-    outer_radius : float
-        Radius up to which it reaches. [m]
-    inner_radius : float
-        Radius from which on it reaches. [m]
-    """
+    """A turning body before the wall."""
 
     name: str
+    """The body."""
     center: tuple[float, float]
+    """Its axis. [m]"""
     outer_radius: float
+    """Radius up to which it reaches. [m]"""
     inner_radius: float = 0.0
+    """Radius from which on it reaches. [m]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class ChamberRing:
-    """Chambers that follow each other round an axis and turn with a body.
-
-    Parameters
-    ----------
-    nodes : ndarray of int
-        Nodes of the chambers, evenly spaced.
-    phases : ndarray
-        Their table angles at shaft angle zero. [rad]
-    angle_ratio : float
-        Growth of the table angles per shaft angle. [-]
-    zero_angle : float
-        Polar angle of the table angle zero. [rad]
-    direction : float
-        1 if table angles grow from x towards y, else -1. [-]
-    center : tuple of float
-        The axis. [m]
-    """
+    """Chambers that follow each other round an axis and turn with a body."""
 
     nodes: IntArray
+    """Nodes of the chambers, evenly spaced."""
     phases: Array
+    """Their table angles at shaft angle zero. [rad]"""
     angle_ratio: float = 1.0
+    """Growth of the table angles per shaft angle. [-]"""
     zero_angle: float = 0.0
+    """Polar angle of the table angle zero. [rad]"""
     direction: float = 1.0
+    """1 if table angles grow from x towards y, else -1. [-]"""
     center: tuple[float, float] = (0.0, 0.0)
+    """The axis. [m]"""
 
     @property
     def pitch(self) -> float:
@@ -108,28 +90,19 @@ class ChamberRing:
 @final
 @dataclass(frozen=True)
 class FaceSurfaces:
-    """Rough faces of bodies and wall.
-
-    Parameters
-    ----------
-    moving_roughness, resting_roughness : float
-        Root mean square roughness of bodies and wall. [m]
-    effective_modulus : float
-        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
-    hardness : float
-        Hardness of the softer face. [Pa]
-    correlation_length : float
-        Half-height correlation length of the combined roughness. [m]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
-    """
+    """Rough faces of bodies and wall."""
 
     moving_roughness: float
     resting_roughness: float
+    """Root mean square roughness of bodies and wall. [m]"""
     effective_modulus: float
+    """E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]"""
     hardness: float
+    """Hardness of the softer face. [Pa]"""
     correlation_length: float = 15e-6
+    """Half-height correlation length of the combined roughness. [m]"""
     boundary_friction: float = 0.1
+    """Friction coefficient of touching asperities. [-]"""
 
     @property
     def roughness(self) -> float:
@@ -140,44 +113,31 @@ class FaceSurfaces:
 @final
 @dataclass(frozen=True, eq=False)
 class FilmFace:
-    """Plane wall beside turning bodies, with the films between them.
-
-    Parameters
-    ----------
-    bodies : tuple of FaceBody
-        Bodies in the numbers of the map.
-    center : tuple of float
-        Axis about which the films are solved. [m]
-    inner_radius, outer_radius : float
-        Rims of the films about it. [m]
-    gap : float
-        Film height as designed. [m]
-    face_map : FaceMap
-        What stands before the wall.
-    chambers : ChamberRing
-        Chambers between the teeth.
-    recesses : ndarray of int
-        Nodes that feed deep recesses of the wall.
-    inner_node : int
-        Node within the inner rim.
-    sectors : int
-        Parts of the outer rim on one pitch of the chambers, each with a pressure of its own;
-        zero: no flow passes the outer rim.
-    surfaces : FaceSurfaces or None
-        Roughness and contact; None: smooth.
-    """
+    """Plane wall beside turning bodies, with the films between them."""
 
     bodies: tuple[FaceBody, ...]
+    """Bodies in the numbers of the map."""
     center: tuple[float, float]
+    """Axis about which the films are solved. [m]"""
     inner_radius: float
     outer_radius: float
+    """Rims of the films about it. [m]"""
     gap: float
+    """Film height as designed. [m]"""
     face_map: FaceMap
+    """What stands before the wall."""
     chambers: ChamberRing
+    """Chambers between the teeth."""
     recesses: IntArray
+    """Nodes that feed deep recesses of the wall."""
     inner_node: int
+    """Node within the inner rim."""
     sectors: int = 0
+    """Parts of the outer rim on one pitch of the chambers, each with a pressure of its own; zero:
+    no flow passes the outer rim.
+    """
     surfaces: FaceSurfaces | None = None
+    """Roughness and contact; None: smooth."""
 
     @property
     def period(self) -> float:
@@ -222,22 +182,16 @@ class FilmFace:
 @final
 @dataclass(frozen=True, eq=False)
 class FacePlaces:
-    """Where bodies stand between two covers while the shaft turns.
-
-    Parameters
-    ----------
-    bodies : tuple of str
-        The bodies.
-    places : PeriodicTable
-        Over the shaft angle, four columns for each body: displacement along z [m], rotations
-        about x and y [rad], smallest film height at both covers [m].
-    warning : str
-        Why the places are doubtful, in words; empty if they are not.
-    """
+    """Where bodies stand between two covers while the shaft turns."""
 
     bodies: tuple[str, ...]
+    """The bodies."""
     places: PeriodicTable
+    """Over the shaft angle, four columns for each body: displacement along z [m], rotations about x
+    and y [rad], smallest film height at both covers [m].
+    """
     warning: str = ""
+    """Why the places are doubtful, in words; empty if they are not."""
 
     def at(self, shaft_angle: Array) -> Array:
         """Columns of all bodies at shaft angles [rad], shape (..., bodies, 4)."""
@@ -248,58 +202,43 @@ class FacePlaces:
 @final
 @dataclass(frozen=True)
 class RimFilm:
-    """Film between the rim of a turning body and the bore that carries it.
-
-    Parameters
-    ----------
-    body : str
-        The body, about the origin of the machine.
-    radius, length, clearance : float
-        Radius and width of the rim, radial clearance in the bore. [m]
-    roughness : float
-        Combined root mean square roughness. [m]
-    open_ends : bool
-        Whether fluid leaves at the axial ends to the inner node; else walls close them and the
-        films of the faces lead into it.
-    chamber : int
-        Last of the chambers: the film in closed form.
-    """
+    """Film between the rim of a turning body and the bore that carries it."""
 
     body: str
+    """The body, about the origin of the machine."""
     radius: float
     length: float
     clearance: float
+    """Radius and width of the rim, radial clearance in the bore. [m]"""
     roughness: float
+    """Combined root mean square roughness. [m]"""
     open_ends: bool
+    """Whether fluid leaves at the axial ends to the inner node; else walls close them and the films
+    of the faces lead into it.
+    """
     chamber: int
+    """Last of the chambers: the film in closed form."""
 
 
 @final
 @dataclass(frozen=True)
 class SharedFaces:
-    """Two covers that several bodies share, and the film at their outer rim.
-
-    Parameters
-    ----------
-    covers : tuple of FilmFace
-        Covers on both sides, the lower z first; alike but for gap, surfaces and what stands
-        before them.
-    rim : RimFilm
-        Film at the outer rim.
-    families : tuple of ChamberFamily
-        Chambers of the machine without the part of that film which they feed in closed form.
-    replaced : tuple of str
-        Flow paths of the machine that stand for these films in closed form.
-    motion : {"none", "axial", "full"}
-        Whether bodies lift, or lift and tilt, to where films and asperities of both sides hold
-        their balance; ``none``: they stand parallel where the gaps of the covers put them.
-    """
+    """Two covers that several bodies share, and the film at their outer rim."""
 
     covers: tuple[FilmFace, ...]
+    """Covers on both sides, the lower z first; alike but for gap, surfaces and what stands before
+    them.
+    """
     rim: RimFilm
+    """Film at the outer rim."""
     families: tuple[ChamberFamily, ...]
+    """Chambers of the machine without the part of that film which they feed in closed form."""
     replaced: tuple[str, ...]
+    """Flow paths of the machine that stand for these films in closed form."""
     motion: Literal["none", "axial", "full"] = "none"
+    """Whether bodies lift, or lift and tilt, to where films and asperities of both sides hold their
+    balance; ``none``: they stand parallel where the gaps of the covers put them.
+    """
 
     @property
     def face(self) -> FilmFace:

@@ -44,29 +44,21 @@ VAPOUR_SMOOTHING_RATIO = 0.25
 @final
 @dataclass(frozen=True)
 class GasModel:
-    """Air in the fluid.
-
-    Parameters
-    ----------
-    law : str
-        ``dynamic`` (finite rates), ``equilibrium`` (rates of 1e5 1/s) or ``none`` (the free
-        air stays as it is, nothing is released).
-    free_air_fraction : float
-        Volume of free air in the feed at one atmosphere over volume of liquid. [-]
-    dissolved_air_fraction : float or None
-        Volume of dissolved air over volume of liquid; None takes the fluid's default. [-]
-    saturation_pressure : float
-        Pressure of equilibrium of the dissolved air. [Pa]
-    release_time, absorption_time : float
-        Time constants of the dynamic law. [s]
-    """
+    """Air in the fluid."""
 
     law: str = "dynamic"
+    """``dynamic`` (finite rates), ``equilibrium`` (rates of 1e5 1/s) or ``none`` (the free air
+    stays as it is, nothing is released).
+    """
     free_air_fraction: float = 0.002
+    """Volume of free air in the feed at one atmosphere over volume of liquid. [-]"""
     dissolved_air_fraction: float | None = None
+    """Volume of dissolved air over volume of liquid; None takes the fluid's default. [-]"""
     saturation_pressure: float = ATMOSPHERIC_PRESSURE
+    """Pressure of equilibrium of the dissolved air. [Pa]"""
     release_time: float = 0.02
     absorption_time: float = 1.0
+    """Time constants of the dynamic law. [s]"""
 
     def rates(self) -> tuple[float, float]:
         """Return release and absorption rate. [1/s]."""

@@ -49,36 +49,24 @@ TABLE_AIR_FRACTION = 0.08
 
 @dataclass(frozen=True)
 class LiquidState:
-    """Properties of a liquid at one temperature, without gas.
-
-    Parameters
-    ----------
-    density : float
-        At zero pressure. [kg/m3]
-    bulk_modulus : float
-        At zero pressure. [Pa]
-    bulk_modulus_slope : float
-        Rise of the bulk modulus per pressure. [-]
-    dynamic_viscosity : float
-        At zero pressure. [Pa s]
-    pressure_viscosity : float
-        Barus coefficient of the dynamic viscosity. [1/Pa]
-    vapour_pressure : float
-        Lowest pressure, numerical floor included. [Pa]
-    specific_heat_capacity : float
-        Specific heat capacity. [J/(kg K)]
-    dissolved_air_fraction : float
-        Default volume of dissolved air at one atmosphere over volume of liquid. [-]
-    """
+    """Properties of a liquid at one temperature, without gas."""
 
     density: float
+    """At zero pressure. [kg/m3]"""
     bulk_modulus: float
+    """At zero pressure. [Pa]"""
     bulk_modulus_slope: float
+    """Rise of the bulk modulus per pressure. [-]"""
     dynamic_viscosity: float
+    """At zero pressure. [Pa s]"""
     pressure_viscosity: float
+    """Barus coefficient of the dynamic viscosity. [1/Pa]"""
     vapour_pressure: float
+    """Lowest pressure, numerical floor included. [Pa]"""
     specific_heat_capacity: float
+    """Specific heat capacity. [J/(kg K)]"""
     dissolved_air_fraction: float
+    """Default volume of dissolved air at one atmosphere over volume of liquid. [-]"""
 
     @property
     def compliance(self) -> float:
@@ -94,19 +82,13 @@ class LiquidState:
 @final
 @dataclass(frozen=True)
 class TableFit(LiquidState):
-    """Properties of a liquid fitted to a table at one temperature.
-
-    Parameters
-    ----------
-    density_error, viscosity_error : float
-        Largest relative error of the fit at the points of the isotherms used. [-]
-    highest_pressure : float
-        Pressure up to which these isotherms reach. [Pa]
-    """
+    """Properties of a liquid fitted to a table at one temperature."""
 
     density_error: float
     viscosity_error: float
+    """Largest relative error of the fit at the points of the isotherms used. [-]"""
     highest_pressure: float
+    """Pressure up to which these isotherms reach. [Pa]"""
 
 
 def _fail(path: Path | Columns, place: str, found: object, allowed: str) -> NoReturn:

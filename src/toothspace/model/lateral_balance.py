@@ -25,28 +25,20 @@ contact between turning bodies [N], or its share of all contact forces [-]."""
 @final
 @dataclass(frozen=True)
 class BodyLoad:
-    """What a named load of an elastic body is.
-
-    Parameters
-    ----------
-    body : str
-        Bearing ``floating`` or ``solid``, a part of one, or a turning body. Journal forces on a
-        turning body are in its own frame, on a bearing in that of the machine.
-    load : str
-        Name of the load.
-    source : LoadSource
-        What it follows.
-    index : int
-        Node of a pressure, turning body of a journal force, or contact. [-]
-    factor : float
-        Load over what it follows; of a constant or a share the load itself. [-], [1/m2] or [N]
-    """
+    """What a named load of an elastic body is."""
 
     body: str
+    """Bearing ``floating`` or ``solid``, a part of one, or a turning body. Journal forces on a
+    turning body are in its own frame, on a bearing in that of the machine.
+    """
     load: str
+    """Name of the load."""
     source: LoadSource
+    """What it follows."""
     index: int = 0
+    """Node of a pressure, turning body of a journal force, or contact. [-]"""
     factor: float = 1.0
+    """Load over what it follows; of a constant or a share the load itself. [-], [1/m2] or [N]"""
 
 
 class ElasticBodies(Protocol):
@@ -64,40 +56,28 @@ class ElasticBodies(Protocol):
 @final
 @dataclass(frozen=True)
 class FilmInterface:
-    """Film between one face of a turning body and a bearing.
-
-    Parameters
-    ----------
-    name : str
-        Label, for example ``floating_drive_gear``.
-    body : str
-        Turning body.
-    side : {"floating", "solid"}
-        Which bearing it runs against.
-    face : FilmFace
-        Film, chambers and grooves before the bearing, about the axis of the body.
-    speed_ratio : float
-        Angular speed over shaft speed. [-]
-    winkler_compliance : float
-        Compliance of the Winkler foundation that stands for body and bearing: approach of the
-        faces over the film pressure. [m/Pa]
-    body_angle : float
-        Angle of the body's own frame at shaft angle zero. [rad]
-    root_radius : float
-        Where tooth spaces begin; zero for a face without any. [m]
-    part : str
-        Elastic body of the part of the bearing beside it; empty where the bearing is whole.
-    """
+    """Film between one face of a turning body and a bearing."""
 
     name: str
+    """Label, for example ``floating_drive_gear``."""
     body: str
+    """Turning body."""
     side: Side
+    """Which bearing it runs against."""
     face: FilmFace
+    """Film, chambers and grooves before the bearing, about the axis of the body."""
     speed_ratio: float
+    """Angular speed over shaft speed. [-]"""
     winkler_compliance: float = 0.0
+    """Compliance of the Winkler foundation that stands for body and bearing: approach of the faces
+    over the film pressure. [m/Pa]
+    """
     body_angle: float = 0.0
+    """Angle of the body's own frame at shaft angle zero. [rad]"""
     root_radius: float = 0.0
+    """Where tooth spaces begin; zero for a face without any. [m]"""
     part: str = ""
+    """Elastic body of the part of the bearing beside it; empty where the bearing is whole."""
 
     @property
     def bearing(self) -> str:
@@ -108,18 +88,12 @@ class FilmInterface:
 @final
 @dataclass(frozen=True)
 class Patch:
-    """Part of the back face of a bearing with one pressure.
-
-    Parameters
-    ----------
-    area : float
-        Area. [m2]
-    center : tuple of float
-        Centroid. [m]
-    """
+    """Part of the back face of a bearing with one pressure."""
 
     area: float
+    """Area. [m2]"""
     center: tuple[float, float]
+    """Centroid. [m]"""
 
     @property
     def moments(self) -> tuple[float, float, float]:
@@ -130,18 +104,12 @@ class Patch:
 @final
 @dataclass(frozen=True)
 class AxialForce:
-    """Force along the axes that acts at a place.
-
-    Parameters
-    ----------
-    size : float
-        Size. [N]
-    place : tuple of float
-        Point of action. [m]
-    """
+    """Force along the axes that acts at a place."""
 
     size: float
+    """Size. [N]"""
     place: tuple[float, float] = (0.0, 0.0)
+    """Point of action. [m]"""
 
     @property
     def moments(self) -> tuple[float, float, float]:
@@ -158,110 +126,77 @@ def _moments(size: float, place: tuple[float, float]) -> tuple[float, float, flo
 @final
 @dataclass(frozen=True)
 class HousingContact:
-    """Friction of a floating bearing in its housing.
-
-    Parameters
-    ----------
-    area : float
-        Outer area of the bearing that low pressure acts on, opposite to high pressure. [m2]
-    friction_coefficient : float
-        Coulomb friction. [-]
-    breakaway_speed : float
-        Speed of the friction peak. [m/s]
-    law : {"stick", "stribeck"}
-        Set-valued, or smooth.
-    """
+    """Friction of a floating bearing in its housing."""
 
     area: float = 0.0
+    """Outer area of the bearing that low pressure acts on, opposite to high pressure. [m2]"""
     friction_coefficient: float = 0.0
+    """Coulomb friction. [-]"""
     breakaway_speed: float = 6.45e-3
+    """Speed of the friction peak. [m/s]"""
     law: str = "stick"
+    """Set-valued, or smooth. One of ``stick``, ``stribeck``."""
 
 
 @final
 @dataclass(frozen=True)
 class FloatingBearing:
-    """Bearing block or plate that pressure on its back presses towards the gears.
-
-    Parameters
-    ----------
-    mass : float
-        Mass. [kg]
-    face : Patch
-        Whole face: outline less the bores.
-    high_pressure : Patch
-        Part of the back face at high pressure.
-    nose : Patch
-        Part of the back face with a pressure of its own.
-    preload : AxialForce
-        Springs and seal together, positive towards the gears.
-    housing : HousingContact
-        Friction in the housing.
-    gauge_point : tuple of float
-        Where the position is measured. [m]
-    axial_play : float
-        Travel away from the gears until the bearing meets its cover. [m]
-    wall_stiffness : float
-        Moment about y over the tilt about it, by the wall that the bearing leans on. [N m/rad]
-    """
+    """Bearing block or plate that pressure on its back presses towards the gears."""
 
     mass: float
+    """Mass. [kg]"""
     face: Patch
+    """Whole face: outline less the bores."""
     high_pressure: Patch
+    """Part of the back face at high pressure."""
     nose: Patch
+    """Part of the back face with a pressure of its own."""
     preload: AxialForce
+    """Springs and seal together, positive towards the gears."""
     housing: HousingContact
+    """Friction in the housing."""
     gauge_point: tuple[float, float]
+    """Where the position is measured. [m]"""
     axial_play: float
+    """Travel away from the gears until the bearing meets its cover. [m]"""
     wall_stiffness: float = 0.0
+    """Moment about y over the tilt about it, by the wall that the bearing leans on. [N m/rad]"""
 
 
 @final
 @dataclass(frozen=True)
 class LateralBalance:
-    """Interfaces and floating bearings of a machine.
-
-    Parameters
-    ----------
-    arrangement : {"symmetric", "asymmetric", "plates", "fixed"}
-        Floating bearings on both sides, on the floating side only, plates on both sides, or
-        covers that rest with the turning bodies free between them.
-    motion : {"full", "axial"}
-        Whether bearings and bodies tilt.
-    interfaces : tuple of FilmInterface
-        Films of both sides, the floating one first; the search for balance begins at its gap.
-    floating : FloatingBearing
-        The floating bearing, or each of both; of covers that rest the one on the floating side.
-    high_node, low_node : int
-        Nodes of the high-pressure port and of the low pressure behind the bearing.
-    body_forces : tuple of AxialForce
-        Force on every turning body from its teeth, along z, its place from the axis of the body.
-    body_masses : tuple of float
-        Masses of the turning bodies. [kg]
-    elastic_bodies : callable or None
-        Elastic bodies of the machine, where bearings and turning bodies can deform.
-    halves : tuple of FloatingBearing
-        Parts of the floating bearing, one beside every turning body, where it is split; they move
-        and tilt on their own. Empty where it is not split.
-    body_tilts : tuple of float
-        Largest tilt of every turning body in its journal bearings. Empty: any. [rad]
-    shaft_stiffness : float or None
-        Moment over tilt by which the journal bearings hold every turning body; None: by the films
-        that carry its load. [N m/rad]
-    """
+    """Interfaces and floating bearings of a machine."""
 
     arrangement: Literal["symmetric", "asymmetric", "plates", "fixed"]
+    """Floating bearings on both sides, on the floating side only, plates on both sides, or covers
+    that rest with the turning bodies free between them.
+    """
     motion: Literal["full", "axial"]
+    """Whether bearings and bodies tilt."""
     interfaces: tuple[FilmInterface, ...]
+    """Films of both sides, the floating one first; the search for balance begins at its gap."""
     floating: FloatingBearing
+    """The floating bearing, or each of both; of covers that rest the one on the floating side."""
     high_node: int
     low_node: int
+    """Nodes of the high-pressure port and of the low pressure behind the bearing."""
     body_forces: tuple[AxialForce, ...]
+    """Force on every turning body from its teeth, along z, its place from the axis of the body."""
     body_masses: tuple[float, ...]
+    """Masses of the turning bodies. [kg]"""
     elastic_bodies: ElasticBodies | None = None
+    """Elastic bodies of the machine, where bearings and turning bodies can deform."""
     halves: tuple[FloatingBearing, ...] = ()
+    """Parts of the floating bearing, one beside every turning body, where it is split; they move
+    and tilt on their own. Empty where it is not split.
+    """
     body_tilts: tuple[float, ...] = ()
+    """Largest tilt of every turning body in its journal bearings. Empty: any. [rad]"""
     shaft_stiffness: float | None = 0.0
+    """Moment over tilt by which the journal bearings hold every turning body; None: by the films
+    that carry its load. [N m/rad]
+    """
 
     @property
     def bodies(self) -> tuple[str, ...]:

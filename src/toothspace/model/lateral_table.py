@@ -18,42 +18,35 @@ class LateralTable:
 
     Axes rise; one node where nothing depends on the quantity. Every array has one value for each
     force, moment, pressure and slide.
-
-    Parameters
-    ----------
-    force_share : ndarray, shape (n,)
-        Axial force that the films carry, positive away from the faces, over the pressure
-        difference on the high-pressure area. [-]
-    moment_share : ndarray, shape (m,)
-        Its moment about x through the middle of the face, over that force at the tip radius. [-]
-    pressure : ndarray, shape (k,)
-        Pressure difference behind the bearing. [Pa]
-    slide : ndarray, shape (l,)
-        Viscosity times shaft speed. [Pa]
-    leakage_factor : ndarray
-        Leakage over that of the closed form; its logarithm is linear between nodes. [-]
-    shear_share : ndarray
-        Torque that grows with viscosity and speed, over that of the closed form. [-]
-    drag_share, asperity_share : ndarray
-        Torque of the flow that pressure drives along the faces, and of asperities, over the
-        pressure difference on the high-pressure area at the tip radius. [-]
-    lag_number : ndarray
-        Time in which the gap follows the load, squeezing its films, times pressure difference over
-        viscosity; its logarithm is linear between nodes. [-]
-    seat_factor : float
-        Leakage factor of the quasi-static pressures that press the bearings to their seats. [-]
     """
 
     force_share: Array
+    """Axial force that the films carry, positive away from the faces, over the pressure difference
+    on the high-pressure area. Shape (n,). [-]
+    """
     moment_share: Array
+    """Its moment about x through the middle of the face, over that force at the tip radius. Shape
+    (m,). [-]
+    """
     pressure: Array
+    """Pressure difference behind the bearing. Shape (k,). [Pa]"""
     slide: Array
+    """Viscosity times shaft speed. Shape (l,). [Pa]"""
     leakage_factor: Array
+    """Leakage over that of the closed form; its logarithm is linear between nodes. [-]"""
     shear_share: Array
+    """Torque that grows with viscosity and speed, over that of the closed form. [-]"""
     drag_share: Array
     asperity_share: Array
+    """Torque of the flow that pressure drives along the faces, and of asperities, over the pressure
+    difference on the high-pressure area at the tip radius. [-]
+    """
     lag_number: Array
+    """Time in which the gap follows the load, squeezing its films, times pressure difference over
+    viscosity; its logarithm is linear between nodes. [-]
+    """
     seat_factor: float = 1.0
+    """Leakage factor of the quasi-static pressures that press the bearings to their seats. [-]"""
 
     @property
     def axes(self) -> tuple[Array, ...]:

@@ -43,33 +43,26 @@ class Motion:
 class ChamberFamily:
     r"""Chambers that are copies of one another, shifted in angle.
 
-    Parameters
-    ----------
-    name : str
-        Label, for example ``drive_gear``.
-    angle_ratio : float
-        Growth of the table angle per shaft angle, positive. [-]
-    phases : ndarray, shape (count,)
-        Table angle of each chamber at shaft angle zero. [rad]
-    volume : PeriodicTable, 1 channel
-        Volume over the table angle. [m3]
-    volume_by_motion : PeriodicTable, one channel per motion of the description
-        Derivative of the volume with respect to every micro-motion. It is also the
-        generalised force of the chamber's pressure on that motion. [m3/m] or [m3/rad]
-    own : tuple of PeriodicTable
-        Volume of each chamber where teeth differ, in place of the one that all share. [m3]
-
     Notes
     -----
     .. math:: V = V_0(\theta) + \sum_k \frac{\partial V}{\partial q_k}(\theta)\, q_k
     """
 
     name: str
+    """Label, for example ``drive_gear``."""
     angle_ratio: float
+    """Growth of the table angle per shaft angle, positive. [-]"""
     phases: Array
+    """Table angle of each chamber at shaft angle zero. Shape (count,). [rad]"""
     volume: PeriodicTable
+    """Volume over the table angle. One channel. [m3]"""
     volume_by_motion: PeriodicTable
+    """Derivative of the volume with respect to every micro-motion. It is also the generalised force
+    of the chamber's pressure on that motion. [m3/m] or One channel per motion of the description.
+    [m3/rad]
+    """
     own: tuple[PeriodicTable, ...] = ()
+    """Volume of each chamber where teeth differ, in place of the one that all share. [m3]"""
 
     @property
     def count(self) -> int:
@@ -80,73 +73,56 @@ class ChamberFamily:
 @final
 @dataclass(frozen=True)
 class FlowPath:
-    r"""Paths of one kind that join pairs of nodes, with geometry over an angle.
-
-    Parameters
-    ----------
-    name : str
-        Label, unique in the machine, for example ``tooth_tip_drive``.
-    category : PathCategory
-        What the ledger books it under, and what it does in the network.
-    kind : str
-        ``orifice``, ``parallel_gap``, ``curved_gap`` or ``fitted_gap``.
-    nodes_a, nodes_b : ndarray of int, shape (count,)
-        Nodes at both ends; flow is counted from a to b.
-    angle_ratio : float
-        Growth of the table angle per shaft angle. [-]
-    phases : ndarray, shape (count,)
-        Table angle of each path at shaft angle zero. [rad]
-    geometry : PeriodicTable
-        Channels of :data:`PATH_CHANNELS`. A closed path has zero area or width.
-    height_by_motion : PeriodicTable or None
-        Derivative of the gap height with respect to every micro-motion. [-] or [m/rad]
-    drag_speed : PeriodicTable or None, 1 channel
-        Mean speed of the walls towards b, relative to the throat, per shaft speed: drag flow
-        from a to b is ``width * height * drag_speed * shaft_speed``. [m/rad]
-    shear_speed : PeriodicTable or None, 1 channel
-        Speed of one wall relative to the other per shaft speed, for viscous friction in the
-        gap, booked under ``tip_shear``. [m/rad]
-    throat_speed : float
-        Speed of the throat towards b per shaft speed, where volumes count to the casing as
-        bodies move but to the body's own boundary at rest (tooth tips): that part of the gap
-        which micro-motion opens is carried along, not dragged through. [m/rad]
-    drags_opening_only : bool
-        Whether walls drag fluid only through that part of the gap which micro-motion opens: the
-        layers that fill the nominal gap are carried with the walls in the chambers' account.
-    multiplicity : float
-        Equal paths in parallel, for example both faces. [-]
-    partner_shift : int
-        Shift of node b (within its family) each time the table angle passes a full period:
-        tooth pairing of gears with unequal tooth counts.
-    worn_by : str or None
-        Body that cuts the gap deeper by running-in where it would touch the casing.
-    minimum_height : float
-        Residual height that the gap keeps, level of the roughness. [m]
-    viscosity_ratio : float
-        Viscosity in the gap over that of the fluid at its ends. [-]
-    own : tuple of PeriodicTable
-        Geometry of each path where teeth differ, in place of the one that all share.
-    """
+    """Paths of one kind that join pairs of nodes, with geometry over an angle."""
 
     name: str
+    """Label, unique in the machine, for example ``tooth_tip_drive``."""
     category: PathCategory
+    """What the ledger books it under, and what it does in the network."""
     kind: PathKind
+    """``orifice``, ``parallel_gap``, ``curved_gap`` or ``fitted_gap``."""
     nodes_a: IntArray
     nodes_b: IntArray
+    """Nodes at both ends; flow is counted from a to b. Shape (count,)."""
     angle_ratio: float
+    """Growth of the table angle per shaft angle. [-]"""
     phases: Array
+    """Table angle of each path at shaft angle zero. Shape (count,). [rad]"""
     geometry: PeriodicTable
+    """Channels of :data:`PATH_CHANNELS`. A closed path has zero area or width."""
     height_by_motion: PeriodicTable | None = None
+    """Derivative of the gap height with respect to every micro-motion. [-] or [m/rad]"""
     drag_speed: PeriodicTable | None = None
+    """Mean speed of the walls towards b, relative to the throat, per shaft speed: drag flow from a
+    to b is ``width * height * drag_speed * shaft_speed``. One channel. [m/rad]
+    """
     shear_speed: PeriodicTable | None = None
+    """Speed of one wall relative to the other per shaft speed, for viscous friction in the gap,
+    booked under ``tip_shear``. One channel. [m/rad]
+    """
     throat_speed: float = 0.0
+    """Speed of the throat towards b per shaft speed, where volumes count to the casing as bodies
+    move but to the body's own boundary at rest (tooth tips): that part of the gap which
+    micro-motion opens is carried along, not dragged through. [m/rad]
+    """
     drags_opening_only: bool = False
+    """Whether walls drag fluid only through that part of the gap which micro-motion opens: the
+    layers that fill the nominal gap are carried with the walls in the chambers' account.
+    """
     multiplicity: float = 1.0
+    """Equal paths in parallel, for example both faces. [-]"""
     partner_shift: int = 0
+    """Shift of node b (within its family) each time the table angle passes a full period: tooth
+    pairing of gears with unequal tooth counts.
+    """
     worn_by: str | None = None
+    """Body that cuts the gap deeper by running-in where it would touch the casing."""
     minimum_height: float = 0.0
+    """Residual height that the gap keeps, level of the roughness. [m]"""
     viscosity_ratio: float = 1.0
+    """Viscosity in the gap over that of the fluid at its ends. [-]"""
     own: tuple[PeriodicTable, ...] = ()
+    """Geometry of each path where teeth differ, in place of the one that all share."""
 
     @property
     def count(self) -> int:

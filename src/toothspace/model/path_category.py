@@ -33,27 +33,20 @@ LEAKAGES: tuple[PathRole, ...] = ("mesh", "lateral", "drain", "gap")
 @final
 @dataclass(frozen=True)
 class PathCategory:
-    """Account of the flow paths of one kind.
-
-    Parameters
-    ----------
-    name : str
-        Name along the dimension ``path`` of results, for example ``lateral``.
-    label : str
-        Readable name, for example ``lateral gaps``.
-    colour : str
-        Colour in figures, ``#rrggbb``.
-    role : str
-        ``inlet_port``, ``outlet_port``, ``inlet_groove``, ``outlet_groove``: opens chambers to a
-        port; ``mesh``: joins chambers that mesh with one another; ``lateral``: beside the faces
-        of bodies, from chamber to chamber; ``drain``: from chambers to the drain; ``gap``: any
-        other gap that seals; ``load``, ``circuit``: beyond the machine.
-    """
+    """Account of the flow paths of one kind."""
 
     name: str
+    """Name along the dimension ``path`` of results, for example ``lateral``."""
     label: str
+    """Readable name, for example ``lateral gaps``."""
     colour: str
+    """Colour in figures, ``#rrggbb``."""
     role: PathRole
+    """``inlet_port``, ``outlet_port``, ``inlet_groove``, ``outlet_groove``: opens chambers to a
+    port; ``mesh``: joins chambers that mesh with one another; ``lateral``: beside the faces of
+    bodies, from chamber to chamber; ``drain``: from chambers to the drain; ``gap``: any other gap
+    that seals; ``load``, ``circuit``: beyond the machine.
+    """
 
     @property
     def account(self) -> str:

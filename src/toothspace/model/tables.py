@@ -32,59 +32,55 @@ class TableBank(NamedTuple):
 
 @passed_by_address
 class Members(NamedTuple):
-    """Things that read one row of a table each, and where in their tables they stand.
-
-    Parameters
-    ----------
-    table, phase, ratio : ndarray, shape (members,)
-        Number of the table, its angle at shaft angle zero [rad] and the growth of that. [-]
-    gate, packed
-        Channel that says by zero that a member is closed, so that others are not read; whether
-        closed members are left out altogether.
-    origin, growth : ndarray, shape (members,)
-        Place in the table in nodes at shaft angle zero, and its growth per angle. [-], [1/rad]
-    interval, place : ndarray, shape (members,)
-        Node below the present place, counted on beyond full turns (NaN at the start), and the
-        place beyond that node, 0 to 1. [-]
-    last : ndarray of int, shape (channels,)
-        Count of members up to the last that has this channel.
-    turns, closed : ndarrays of int, shape (members,)
-        Periods passed, and CLOSED where the gate is zero over the interval, else OPEN. Other
-        channels of closed members are left as they were.
-    open : ndarray of int, shape (members + 1,)
-        Numbers of the members that are read: those that are not closed, or all if not packed.
-        Their count stands at the end, and rows of values follow their order.
-    seat : ndarray of int, shape (members,)
-        Place among the members that are read.
-    cubic, here : ndarrays, shapes (channels, 4, members) and (members,)
-        Coefficients of the present intervals and places in them, by seat.
-    reach : ndarray of int, shape (channels,)
-        Count of seats up to the last that has this channel.
-    channels, row, moved : ndarrays of int, shape (members,)
-        Channels of the table of each member, place of its interval in the bank, and numbers of
-        the members that went on to another interval.
-    """
+    """Things that read one row of a table each, and where in their tables they stand."""
 
     table: IntArray
     phase: Array
     ratio: Array
+    """Number of the table, its angle at shaft angle zero [rad] and the growth of that. Shape
+    (members,). [-]
+    """
     gate: IntArray
     packed: int
+    """Channel that says by zero that a member is closed, so that others are not read; whether
+    closed members are left out altogether.
+    """
     origin: Array
     growth: Array
+    """Place in the table in nodes at shaft angle zero, and its growth per angle. Shape (members,).
+    [-], [1/rad]
+    """
     interval: Array
     place: Array
+    """Node below the present place, counted on beyond full turns (NaN at the start), and the place
+    beyond that node, 0 to 1. Shape (members,). [-]
+    """
     last: IntArray
+    """Count of members up to the last that has this channel. Shape (channels,)."""
     turns: IntArray
     closed: IntArray
+    """Periods passed, and CLOSED where the gate is zero over the interval, else OPEN. Other
+    channels of closed members are left as they were. Shape (members,).
+    """
     open: IntArray
+    """Numbers of the members that are read: those that are not closed, or all if not packed. Their
+    count stands at the end, and rows of values follow their order. Shape (members + 1,).
+    """
     seat: IntArray
+    """Place among the members that are read. Shape (members,)."""
     cubic: Array
     here: Array
+    """Coefficients of the present intervals and places in them, by seat. Shapes (channels, 4,
+    members) and (members,).
+    """
     reach: IntArray
+    """Count of seats up to the last that has this channel. Shape (channels,)."""
     channels: IntArray
     row: IntArray
     moved: IntArray
+    """Channels of the table of each member, place of its interval in the bank, and numbers of the
+    members that went on to another interval. Shape (members,).
+    """
 
 
 def member_tables(first: int, counts: Sequence[int], own: Sequence[int]) -> IntArray:

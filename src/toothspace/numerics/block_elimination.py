@@ -32,26 +32,20 @@ Single = NDArray[np.float32]
 
 
 class Blocks(NamedTuple):
-    """Eliminated rows of a ring.
-
-    Parameters
-    ----------
-    coupling : ndarray, shape (4, rows, lanes)
-        Coefficients of west, south, north and east over that of the centre. [any]
-    inverse : ndarray, shape (cells,)
-        Inverse of the coefficients of the centre. [any]
-    known : ndarray of bool, shape (rows, lanes)
-        Prescribed cells. [-]
-    span, store, cut
-        Lanes of every block, inverses, and the row before which the ring is cut.
-    """
+    """Eliminated rows of a ring."""
 
     coupling: Single
+    """Coefficients of west, south, north and east over that of the centre. Shape (4, rows, lanes).
+    [any]
+    """
     inverse: Array
+    """Inverse of the coefficients of the centre. Shape (cells,). [any]"""
     known: BoolArray
+    """Prescribed cells. Shape (rows, lanes). [-]"""
     span: IntArray
     store: Single
     cut: int
+    """Lanes of every block, inverses, and the row before which the ring is cut."""
 
 
 @njit(nogil=True, fastmath=True, error_model="numpy")

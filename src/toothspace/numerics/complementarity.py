@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.compiled import inlined, njit
-from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.core.types import Array, IntArray
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.linear_system import (
     LOOSE,
@@ -416,18 +416,6 @@ _RING_CLOSURES = 8
 """Passes in which rings that gain or lose volume are closed."""
 
 
-@njit(nogil=True)
-def _empty_lanes(kind: IntArray) -> BoolArray:
-    """Lanes that are unsaturated all the way round."""
-    empty = kind[0] == 1
-    for i in range(1, kind.shape[0]):
-        if not empty.any():
-            break
-        for j in range(empty.size):
-            empty[j] &= kind[i, j] == 1
-    return empty
-
-
 def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
     """Saturate the narrowest cell of every lane that is unsaturated all the way round.
 
@@ -436,7 +424,7 @@ def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
     """
     if not balance.ring:
         return
-    lanes = np.flatnonzero(_empty_lanes(kind))
+    lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
     if lanes.size == 0:
         return
     if number > _RING_CLOSURES:

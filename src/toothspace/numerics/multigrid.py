@@ -136,11 +136,6 @@ def _diagonal_of(c: _Conductances) -> Array:
     return out
 
 
-def _power_near(largest: float) -> float:
-    """Power of two near a value, unity for zero; to divide by it rounds nothing."""
-    return float(2.0 ** np.round(np.log2(largest))) if largest > 0.0 else 1.0
-
-
 def _merges(c: _Conductances) -> tuple[int, int]:
     """Along which directions to merge: the strongly coupled ones that have cells left."""
     rows, lanes = c.outer_x.shape
@@ -218,7 +213,8 @@ class MultigridPreconditioner:
 
     def __init__(self, balance: CellBalance, free: BoolArray) -> None:
         largest = max(balance.conductance_x.max(), balance.conductance_y.max())
-        self._scale = _power_near(float(largest))
+        # a power of two: to divide by it rounds nothing
+        self._scale = float(2.0 ** np.round(np.log2(largest))) if largest > 0.0 else 1.0
         finest = _finest_grid(balance, free, self._scale)
         self._levels, self._coarsest = _hierarchy(finest, bool(balance.ring))
 

@@ -81,117 +81,87 @@ def _carry_nothing(params: Any, origin: int) -> None:
 
 
 class NdfCallbacks(NamedTuple):
-    """Compiled functions of a problem.
-
-    Parameters
-    ----------
-    rhs : callable
-        ``rhs(t, y, params, dydt)`` fills the time derivatives of the core states and of the
-        ledger states whose Jacobian rows are in the pattern (balances).
-    finish : callable
-        ``finish(t, y, params, dydt, w, g)`` is called once at each accepted state, shortly
-        after ``rhs`` at a state within the tolerance of it. Fills the time derivatives of the
-        ledger states without Jacobian rows (plain integrals), and what ``weights`` and
-        ``event_values`` give.
-    jacobian : callable
-        ``jacobian(t, y, params, jac, basis)`` zeroes and fills the derivatives of ``dydt``
-        with respect to unknowns that determine the core states, shape (n_total, n_core), and
-        the derivatives of the core states with respect to them off the diagonal, where they
-        stand as ones. A basis left as it is makes the states the unknowns. Called after
-        ``rhs`` at the same time and state, whose work it may use.
-    weights : callable
-        ``weights(t, y, params, w)`` fills the absolute error allowed in each core state.
-    event_values : callable
-        ``event_values(t, y, params, g)`` fills the values whose sign changes are events.
-    carry : callable, optional
-        ``carry(params, origin)`` is called before ``rhs`` and ``finish``. Where the Newton
-        iteration does not converge it is tried again with a new Jacobian at every trial
-        state; ``rhs`` may then hold unknowns of its own, such as flows, that the equations of
-        a path determine: FROM_LAST_STEP as ``finish`` left them, then CARRIED_ON by the
-        linear equations of the evaluation before. Such unknowns keep smooth what is steep in
-        the states. FROM_STATE asks for the derivatives at the state, whatever came before.
-    """
+    """Compiled functions of a problem."""
 
     rhs: Compiled
+    """``rhs(t, y, params, dydt)`` fills the time derivatives of the core states and of the ledger
+    states whose Jacobian rows are in the pattern (balances).
+    """
     finish: Compiled
+    """``finish(t, y, params, dydt, w, g)`` is called once at each accepted state, shortly after
+    ``rhs`` at a state within the tolerance of it. Fills the time derivatives of the ledger states
+    without Jacobian rows (plain integrals), and what ``weights`` and ``event_values`` give.
+    """
     jacobian: Compiled
+    """``jacobian(t, y, params, jac, basis)`` zeroes and fills the derivatives of ``dydt`` with
+    respect to unknowns that determine the core states, shape (n_total, n_core), and the derivatives
+    of the core states with respect to them off the diagonal, where they stand as ones. A basis left
+    as it is makes the states the unknowns. Called after ``rhs`` at the same time and state, whose
+    work it may use.
+    """
     weights: Compiled
+    """``weights(t, y, params, w)`` fills the absolute error allowed in each core state."""
     event_values: Compiled
+    """``event_values(t, y, params, g)`` fills the values whose sign changes are events."""
     carry: Compiled = _carry_nothing
+    """``carry(params, origin)`` is called before ``rhs`` and ``finish``. Where the Newton iteration
+    does not converge it is tried again with a new Jacobian at every trial state; ``rhs`` may then
+    hold unknowns of its own, such as flows, that the equations of a path determine: FROM_LAST_STEP
+    as ``finish`` left them, then CARRIED_ON by the linear equations of the evaluation before. Such
+    unknowns keep smooth what is steep in the states. FROM_STATE asks for the derivatives at the
+    state, whatever came before.
+    """
 
 
 class NdfFunctions(NamedTuple):
-    """Integrator of one problem, made by :func:`toothspace.numerics.ndf.bind`.
-
-    Parameters
-    ----------
-    initial_state : callable
-        ``initial_state(params, program, settings, state, t0, y0)`` starts at a time [s] and
-        state with order 1 and a step chosen from the equations; counters start at zero.
-    advance : callable
-        ``advance(params, program, settings, state, record, t_end)`` integrates to a time [s],
-        a terminal event or a failure; returns DONE, TERMINAL_EVENT, STEP_TOO_SMALL,
-        MAX_STEPS or NOT_FINITE. ``state.y`` receives the state where it stops; the record
-        goes on where its counts stand. Integrating in pieces gives the bits of one long run.
-    """
+    """Integrator of one problem, made by :func:`toothspace.numerics.ndf.bind`."""
 
     initial_state: Compiled
+    """``initial_state(params, program, settings, state, t0, y0)`` starts at a time [s] and state
+    with order 1 and a step chosen from the equations; counters start at zero.
+    """
     advance: Compiled
+    """``advance(params, program, settings, state, record, t_end)`` integrates to a time [s], a
+    terminal event or a failure; returns DONE, TERMINAL_EVENT, STEP_TOO_SMALL, MAX_STEPS or
+    NOT_FINITE. ``state.y`` receives the state where it stops; the record goes on where its counts
+    stand. Integrating in pieces gives the bits of one long run.
+    """
 
 
 @passed_by_address
 class NdfSettings(NamedTuple):
-    """Choices that hold for a whole integration.
-
-    Parameters
-    ----------
-    max_step : float
-        Largest step. [s]
-    min_step : float
-        Smallest step; below it the integration stops with STEP_TOO_SMALL. [s]
-    max_steps : int
-        Largest number of accepted and rejected steps over the life of the state.
-    lowest_order, highest_order : int
-        Orders allowed, 1 to 5.
-    max_norm_share : float
-        Share of the maximum norm in the error norm, the rest is root mean square, 0 to 1. [-]
-    event_actions : ndarray of int, shape (n_events,)
-        LOG_EVENT, STOP_AT_EVENT or RESTART_AT_EVENT of every event value.
-    """
+    """Choices that hold for a whole integration."""
 
     max_step: float
+    """Largest step. [s]"""
     min_step: float
+    """Smallest step; below it the integration stops with STEP_TOO_SMALL. [s]"""
     max_steps: int
+    """Largest number of accepted and rejected steps over the life of the state."""
     lowest_order: int
     highest_order: int
+    """Orders allowed, 1 to 5."""
     max_norm_share: float
+    """Share of the maximum norm in the error norm, the rest is root mean square, 0 to 1. [-]"""
     event_actions: IntArray
+    """LOG_EVENT, STOP_AT_EVENT or RESTART_AT_EVENT of every event value. Shape (n_events,)."""
 
 
 @passed_by_address
 class NdfRecord(NamedTuple):
-    """Where samples and events are written.
-
-    Parameters
-    ----------
-    sample_times : ndarray, shape (n_samples,)
-        Ascending times at which the state is wanted. [s]
-    samples : ndarray, shape (n_samples, n_total)
-        State at these times.
-    event_times : ndarray, shape (capacity,)
-        Times of the logged events. [s]
-    event_index, event_direction : ndarray of int, shape (capacity,)
-        Which event value changed its sign, and +1 for rising, -1 for falling.
-    counts : ndarray of int, shape (2,)
-        Samples written; events met (more than the capacity if the log was too short).
-    """
+    """Where samples and events are written."""
 
     sample_times: Array
+    """Ascending times at which the state is wanted. Shape (n_samples,). [s]"""
     samples: Array
+    """State at these times. Shape (n_samples, n_total)."""
     event_times: Array
+    """Times of the logged events. Shape (capacity,). [s]"""
     event_index: IntArray
     event_direction: IntArray
+    """Which event value changed its sign, and +1 for rising, -1 for falling. Shape (capacity,)."""
     counts: IntArray
+    """Samples written; events met (more than the capacity if the log was too short). Shape (2,)."""
 
 
 @passed_by_address

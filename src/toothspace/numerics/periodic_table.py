@@ -13,16 +13,7 @@ from toothspace.core.types import Array
 @final
 @dataclass(frozen=True)
 class PeriodicTable:
-    r"""Periodic functions of an angle on uniform nodes, continuous with first derivative.
-
-    Parameters
-    ----------
-    period : float
-        Period of the angle. [rad]
-    values : ndarray, shape (nodes, channels)
-        Values at the angles ``period * k / nodes``. [unit of each channel]
-    slopes : ndarray, shape (nodes, channels)
-        Derivatives with respect to the angle at the nodes. [unit of each channel / rad]
+    """Periodic functions of an angle on uniform nodes, continuous with first derivative.
 
     Notes
     -----
@@ -31,8 +22,14 @@ class PeriodicTable:
     """
 
     period: float
+    """Period of the angle. [rad]"""
     values: Array
+    """Values at the angles ``period * k / nodes``. Shape (nodes, channels). [unit of each channel]
+    """
     slopes: Array
+    """Derivatives with respect to the angle at the nodes. Shape (nodes, channels). [unit of each
+    channel / rad]
+    """
 
     def __post_init__(self) -> None:
         if self.values.ndim != 2 or self.values.shape != self.slopes.shape:

@@ -45,48 +45,35 @@ summing_kernel = njit(
 
 @passed_by_address
 class LuProgram(NamedTuple):
-    """List of operations of one pattern, made by :func:`analyse`.
-
-    Parameters
-    ----------
-    order : ndarray of int, shape (n,)
-        Row and column eliminated at each stage.
-    dense : ndarray of int, shape (1,)
-        1 if the factors are so full that dense ones are faster.
-    packed_size : ndarray of int, shape (1,)
-        Number of packed values.
-    source, source_place : ndarrays of int
-        Flat places in the Jacobian that may be nonzero, and their packed places.
-    row_start, diagonal, columns : ndarrays of int
-        Packed rows in elimination order: lower part, diagonal, upper part.
-    pair_start, pair_lower, run_start : ndarrays of int
-        For each stage the rows it updates: place of the multiplier, first run.
-    run_upper, run_target, run_length : ndarrays of int
-        Contiguous pieces of a row update.
-    ledger_start, ledger_columns : ndarrays of int
-        Nonzero columns of the rows below the core (compressed rows).
-    basis_rows, basis_columns : ndarrays of int
-        Places of the basis off its diagonal that may be nonzero.
-    """
+    """List of operations of one pattern, made by :func:`analyse`."""
 
     order: Index
+    """Row and column eliminated at each stage. Shape (n,)."""
     dense: IntArray
+    """1 if the factors are so full that dense ones are faster. Shape (1,)."""
     packed_size: IntArray
+    """Number of packed values. Shape (1,)."""
     source: Index
     source_place: Index
+    """Flat places in the Jacobian that may be nonzero, and their packed places."""
     row_start: Index
     diagonal: Index
     columns: Index
+    """Packed rows in elimination order: lower part, diagonal, upper part."""
     pair_start: Index
     pair_lower: Index
     run_start: Index
+    """For each stage the rows it updates: place of the multiplier, first run."""
     run_upper: Index
     run_target: Index
     run_length: Index
+    """Contiguous pieces of a row update."""
     ledger_start: Index
     ledger_columns: Index
+    """Nonzero columns of the rows below the core (compressed rows)."""
     basis_rows: Index
     basis_columns: Index
+    """Places of the basis off its diagonal that may be nonzero."""
 
 
 def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:

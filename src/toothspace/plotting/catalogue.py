@@ -34,38 +34,27 @@ _TURN = 2.0 * np.pi
 @final
 @dataclass(frozen=True)
 class FigureEntry:
-    """One figure that a report can show.
-
-    Parameters
-    ----------
-    name : str
-        Name, also of the file when figures are written.
-    caption : str
-        What to see in it.
-    chapter : str
-        Chapter of the report.
-    draw : callable
-        Makes the figure from a solution and its machine.
-    needs : tuple of str
-        Result variables without which it cannot be drawn.
-    needs_machine : bool
-        Whether the machine description is needed.
-    sampled : str
-        ``steady`` if it is over the shaft angle, ``transient`` if over time, ``start`` if it
-        needs a shaft that breaks away, ``turn`` if it needs a whole revolution, empty if it can
-        always be drawn.
-    rotors : bool or None
-        Only for machines whose outer body turns freely on its contacts, or only for others.
-    """
+    """One figure that a report can show."""
 
     name: str
+    """Name, also of the file when figures are written."""
     caption: str
+    """What to see in it."""
     chapter: str
+    """Chapter of the report."""
     draw: Draw
+    """Makes the figure from a solution and its machine."""
     needs: tuple[str, ...] = ()
+    """Result variables without which it cannot be drawn."""
     needs_machine: bool = False
+    """Whether the machine description is needed."""
     sampled: str = ""
+    """``steady`` if it is over the shaft angle, ``transient`` if over time, ``start`` if it needs a
+    shaft that breaks away, ``turn`` if it needs a whole revolution, empty if it can always be
+    drawn.
+    """
     rotors: bool | None = None
+    """Only for machines whose outer body turns freely on its contacts, or only for others."""
 
 
 FIGURES: tuple[FigureEntry, ...] = (

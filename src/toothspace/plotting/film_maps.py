@@ -26,24 +26,16 @@ _LEAST_SPAN = 1.0001
 @final
 @dataclass(frozen=True)
 class FilmField:
-    """How one field of the films is shown.
-
-    Parameters
-    ----------
-    name : str
-        Result variable.
-    label : str
-        Text beside the colours, with unit.
-    factor : float
-        From SI units to those of the label.
-    colours : str
-        Colour map.
-    """
+    """How one field of the films is shown."""
 
     name: str
+    """Result variable."""
     label: str
+    """Text beside the colours, with unit."""
     factor: float
+    """From SI units to those of the label."""
     colours: str
+    """Colour map."""
 
     def shown(self, data: xr.Dataset) -> Array:
         """Values in the unit of the label; nothing where no film ever is."""

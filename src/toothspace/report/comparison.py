@@ -37,16 +37,11 @@ _MANIFOLD = 10.0
 @final
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Summary numbers of two results side by side.
-
-    Parameters
-    ----------
-    first, second : Solution
-        The results.
-    """
+    """Summary numbers of two results side by side."""
 
     first: Solution
     second: Solution
+    """The results."""
 
     def numbers(self) -> dict[str, tuple[float, float]]:
         """Return what both summaries hold, but for the time that the runs took."""

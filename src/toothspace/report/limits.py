@@ -22,27 +22,18 @@ _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where fi
 
 
 class JudgedLimit(NamedTuple):
-    """A quantity of a run against its limit.
-
-    Parameters
-    ----------
-    label : str
-        Quantity and where.
-    value : str
-        Found, with unit.
-    allowed : str
-        Limit, with unit.
-    verdict : str
-        ``met``, ``exceeded`` or ``not judged``.
-    source : str
-        Where the limit comes from.
-    """
+    """A quantity of a run against its limit."""
 
     label: str
+    """Quantity and where."""
     value: str
+    """Found, with unit."""
     allowed: str
+    """Limit, with unit."""
     verdict: str
+    """``met``, ``exceeded`` or ``not judged``."""
     source: str
+    """Where the limit comes from."""
 
 
 def limits_of(solution: Solution, description: MachineDescription | None) -> list[JudgedLimit]:

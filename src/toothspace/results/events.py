@@ -6,21 +6,13 @@ from typing import NamedTuple
 
 
 class Event(NamedTuple):
-    """Something that happened during a run.
-
-    Parameters
-    ----------
-    shaft_angle : float
-        Shaft angle. [rad]
-    time : float
-        Time. [s]
-    kind : str
-        For example ``cavitation_onset``, ``contact_change`` or ``body_at_stop``.
-    label : str
-        Chamber, contact or body concerned.
-    """
+    """Something that happened during a run."""
 
     shaft_angle: float
+    """Shaft angle. [rad]"""
     time: float
+    """Time. [s]"""
     kind: str
+    """For example ``cavitation_onset``, ``contact_change`` or ``body_at_stop``."""
     label: str
+    """Chamber, contact or body concerned."""

@@ -205,27 +205,18 @@ def ledger_from(
 @final
 @dataclass(frozen=True)
 class LedgerRow:
-    """One line of the power ledger.
-
-    Parameters
-    ----------
-    name : str
-        Account.
-    label : str
-        Readable name.
-    kind : str
-        ``supplied``, ``delivered``, ``loss``, ``stored`` or ``remainder``.
-    power : float
-        Mean power over the window, positive. [W]
-    share : float
-        Power over the supplied power. [-]
-    """
+    """One line of the power ledger."""
 
     name: str
+    """Account."""
     label: str
+    """Readable name."""
     kind: Literal["supplied", "delivered", "loss", "stored", "remainder"]
+    """``supplied``, ``delivered``, ``loss``, ``stored`` or ``remainder``."""
     power: float
+    """Mean power over the window, positive. [W]"""
     share: float
+    """Power over the supplied power. [-]"""
 
 
 def power_ledger(ledger: Ledger) -> list[LedgerRow]:
@@ -260,27 +251,18 @@ def power_ledger(ledger: Ledger) -> list[LedgerRow]:
 @final
 @dataclass(frozen=True)
 class LossCause:
-    """What one cause takes.
-
-    Parameters
-    ----------
-    cause : str
-        ``trapping``, ``throttling``, ``leakage``, ``friction`` or ``other``.
-    label : str
-        Where: gap, port or interface.
-    power : float
-        Mean power over the window. [W]
-    share : float
-        Power over the supplied power. [-]
-    account : str
-        Account of a gap that leaks, empty for others.
-    """
+    """What one cause takes."""
 
     cause: str
+    """``trapping``, ``throttling``, ``leakage``, ``friction`` or ``other``."""
     label: str
+    """Where: gap, port or interface."""
     power: float
+    """Mean power over the window. [W]"""
     share: float
+    """Power over the supplied power. [-]"""
     account: str = ""
+    """Account of a gap that leaks, empty for others."""
 
 
 def loss_causes(ledger: Ledger) -> list[LossCause]:

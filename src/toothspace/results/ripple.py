@@ -22,21 +22,14 @@ PORTS = ("inlet", "outlet")
 @final
 @dataclass(frozen=True)
 class Spectrum:
-    """Single-sided amplitude spectrum over shaft orders.
-
-    Parameters
-    ----------
-    order : ndarray
-        Events per shaft revolution, from zero (the mean). [-]
-    amplitude : ndarray
-        Amplitude of each order; the mean at order zero. [unit of the signal]
-    phase : ndarray
-        Phase of the cosine of each order at shaft angle zero. [rad]
-    """
+    """Single-sided amplitude spectrum over shaft orders."""
 
     order: Array
+    """Events per shaft revolution, from zero (the mean). [-]"""
     amplitude: Array
+    """Amplitude of each order; the mean at order zero. [unit of the signal]"""
     phase: Array
+    """Phase of the cosine of each order at shaft angle zero. [rad]"""
 
 
 def whole_revolutions(shaft_angle: Array, signal: Array) -> tuple[Array, Array, int]:
@@ -134,22 +127,16 @@ def harmonics(shaft_angle: Array, signal: Array, orders: Array) -> ComplexArray:
 @final
 @dataclass(frozen=True)
 class PulsationSource:
-    """A pump or motor as a source of pulsation, one entry for each harmonic.
-
-    Parameters
-    ----------
-    flow : ndarray of complex
-        Flow ripple that it would drive into a circuit without impedance. [m3/s]
-    impedance : ndarray of complex
-        Source impedance, in parallel to that flow. [Pa s/m3]
-    misfit : ndarray
-        Root mean square of what the loads leave unexplained, over the source flow; zero with
-        two loads. [-]
-    """
+    """A pump or motor as a source of pulsation, one entry for each harmonic."""
 
     flow: ComplexArray
+    """Flow ripple that it would drive into a circuit without impedance. [m3/s]"""
     impedance: ComplexArray
+    """Source impedance, in parallel to that flow. [Pa s/m3]"""
     misfit: Array
+    """Root mean square of what the loads leave unexplained, over the source flow; zero with two
+    loads. [-]
+    """
 
     @property
     def blocked_pressure(self) -> ComplexArray:

@@ -27,18 +27,14 @@ LOADED_SHARE = 0.01
 @final
 @dataclass(frozen=True)
 class ToothForces:
-    """Contact forces of the teeth of a body.
-
-    Parameters
-    ----------
-    force : ndarray, shape (samples, teeth)
-        Sum of the contact forces on each tooth. [N]
-    place : ndarray, shape (samples, teeth)
-        Angle of each tooth from the largest pocket, in the sense of rotation. [rad]
-    """
+    """Contact forces of the teeth of a body."""
 
     force: Array
+    """Sum of the contact forces on each tooth. Shape (samples, teeth). [N]"""
     place: Array
+    """Angle of each tooth from the largest pocket, in the sense of rotation. Shape (samples,
+    teeth). [rad]
+    """
 
     @property
     def mean_total(self) -> float:

@@ -29,24 +29,16 @@ SAMPLE = "sample"
 @final
 @dataclass(frozen=True)
 class Variable:
-    """One result variable.
-
-    Parameters
-    ----------
-    name : str
-        Name in the file.
-    dimensions : tuple of str
-        Dimensions; ``sample`` stands for ``shaft_angle`` or ``time``.
-    units : str
-        SI unit, ``1`` if dimensionless.
-    long_name : str
-        Meaning and sign.
-    """
+    """One result variable."""
 
     name: str
+    """Name in the file."""
     dimensions: tuple[str, ...]
+    """Dimensions; ``sample`` stands for ``shaft_angle`` or ``time``."""
     units: str
+    """SI unit, ``1`` if dimensionless."""
     long_name: str
+    """Meaning and sign."""
 
 
 _ROWS: tuple[tuple[str, str, str, str], ...] = (

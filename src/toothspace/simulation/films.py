@@ -147,9 +147,25 @@ class _Face:
             ),
             replace(self.inwards, geometry=gap_table(self.height, inwards)),
         ]
-        for k, node in enumerate(self.face.recesses.tolist()):
-            found.append(self._from_spaces(node, count + k))
-            found.append(self._to_shaft(node, count + k))
+        for place, node in enumerate(self.face.recesses.tolist(), count):
+            shape = self._over_turn(self.inwards, spaces, np.full(count, place))
+            from_spaces = replace(
+                self.inwards,
+                name=f"{self.across.name}_recess_{node}",
+                category=LATERAL,
+                nodes_b=np.full(count, node),
+                geometry=gap_table(self.height, shape),
+            )
+            one_pitch = -self.solved.matrix[:, place, -1]
+            to_shaft = replace(
+                self.inwards,
+                name=f"{self.inwards.name}_recess_{node}",
+                nodes_a=np.array([node]),
+                nodes_b=self.inwards.nodes_b[:1],
+                phases=np.zeros(1),
+                geometry=gap_table(self.height, np.tile(one_pitch, count)),
+            )
+            found += [from_spaces, to_shaft]
         return found
 
     def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
@@ -163,28 +179,6 @@ class _Face:
         columns = np.tile([height, width, 0.0], (conductance.size, 1))
         columns[:, 2] = width / conductance
         return monotone_table(_FULL_TURN, columns)
-
-    def _from_spaces(self, node: int, place: int) -> FlowPath:
-        spaces = np.arange(self.face.chambers.nodes.size)
-        shape = self._over_turn(self.inwards, spaces, np.full(spaces.size, place))
-        return replace(
-            self.inwards,
-            name=f"{self.across.name}_recess_{node}",
-            category=LATERAL,
-            nodes_b=np.full(spaces.size, node),
-            geometry=gap_table(self.height, shape),
-        )
-
-    def _to_shaft(self, node: int, place: int) -> FlowPath:
-        one_pitch = -self.solved.matrix[:, place, -1]
-        return replace(
-            self.inwards,
-            name=f"{self.inwards.name}_recess_{node}",
-            nodes_a=np.array([node]),
-            nodes_b=self.inwards.nodes_b[:1],
-            phases=np.zeros(1),
-            geometry=gap_table(self.height, np.tile(one_pitch, self.face.chambers.nodes.size)),
-        )
 
 
 def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:

@@ -47,62 +47,43 @@ def journal_node(body: str) -> str:
 @final
 @dataclass(frozen=True)
 class HeatFlows:
-    """Mean powers and flows of a run that heat and carry heat.
-
-    Parameters
-    ----------
-    shaft_speed : float
-        Mean speed of the shaft. [rad/s]
-    losses : mapping of str to float
-        Dissipated power by the accounts of the energy ledger. [W]
-    through_flow : float
-        Mass that enters by the supply port per time. [kg/s]
-    drain_flow : float
-        Mass that leaks from the chambers to the drain per time. [kg/s]
-    """
+    """Mean powers and flows of a run that heat and carry heat."""
 
     shaft_speed: float
+    """Mean speed of the shaft. [rad/s]"""
     losses: Mapping[str, float]
+    """Dissipated power by the accounts of the energy ledger. [W]"""
     through_flow: float
+    """Mass that enters by the supply port per time. [kg/s]"""
     drain_flow: float
+    """Mass that leaks from the chambers to the drain per time. [kg/s]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class HeatNetwork:
-    """Linear balance of heat flows between the nodes of a machine.
-
-    Parameters
-    ----------
-    names : tuple of str
-        Nodes.
-    power : ndarray
-        Heat produced in each node. [W]
-    exchange : ndarray, shape (nodes, nodes)
-        Conductance between two nodes, symmetric. [W/K]
-    streams : ndarray, shape (nodes, nodes)
-        Heat capacity of the oil that flows from one node (row) to another (column). [W/K]
-    from_supply : ndarray
-        The same from the supply to each node. [W/K]
-    supply_temperature : float
-        Temperature of the supply. [K]
-    to_ambient : ndarray
-        Conductance to the surroundings. [W/K]
-    ambient_temperature : float
-        Temperature of the surroundings. [K]
-    heat_capacity : ndarray
-        Heat capacity of each node. [J/K]
-    """
+    """Linear balance of heat flows between the nodes of a machine."""
 
     names: tuple[str, ...]
+    """Nodes."""
     power: Array
+    """Heat produced in each node. [W]"""
     exchange: Array
+    """Conductance between two nodes, symmetric. Shape (nodes, nodes). [W/K]"""
     streams: Array
+    """Heat capacity of the oil that flows from one node (row) to another (column). Shape (nodes,
+    nodes). [W/K]
+    """
     from_supply: Array
+    """The same from the supply to each node. [W/K]"""
     supply_temperature: float
+    """Temperature of the supply. [K]"""
     to_ambient: Array
+    """Conductance to the surroundings. [W/K]"""
     ambient_temperature: float
+    """Temperature of the surroundings. [K]"""
     heat_capacity: Array
+    """Heat capacity of each node. [J/K]"""
 
     def _balance(self) -> tuple[Array, Array]:
         """Matrix and right-hand side of ``C dT/dt = b - A T``. [W/K], [W]."""

@@ -51,30 +51,20 @@ _MOST_LEAKAGE = 1.5
 @final
 @dataclass(frozen=True, eq=False)
 class RunInMachine:
-    """Machine of a case after running-in, for several lumped runs.
-
-    Parameters
-    ----------
-    case : Case
-        Its case.
-    worn : WornMachine
-        The machine after running-in.
-    description : MachineDescription
-        The same with the film tables and the solved films of the case.
-    fluid : FluidLaw
-        Fluid.
-    extra : mapping
-        Values that go into every result.
-    provenance : mapping
-        Where every result comes from.
-    """
+    """Machine of a case after running-in, for several lumped runs."""
 
     case: Case
+    """Its case."""
     worn: WornMachine
+    """The machine after running-in."""
     description: MachineDescription
+    """The same with the film tables and the solved films of the case."""
     fluid: FluidLaw
+    """Fluid."""
     extra: dict[str, Any]
+    """Values that go into every result."""
     provenance: dict[str, str]
+    """Where every result comes from."""
 
     def at(self, condition: OperatingCondition, progress: Progress | None = None) -> RepeatedRun:
         """Lumped runs at a condition, of this machine and of changed ones."""

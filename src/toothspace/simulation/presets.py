@@ -42,25 +42,18 @@ MODELS: Mapping[str, str] = MappingProxyType(
 @final
 @dataclass(frozen=True, kw_only=True)
 class Preset:
-    """Which models a run uses.
-
-    Parameters
-    ----------
-    name : str
-        Value of ``run.fidelity``.
-    content : str
-        The set in one sentence, for reports.
-    interfaces : mapping of str to tuple of str
-        Models that it offers for each interface, its own choice first; empty without films.
-    unused : tuple of str
-        Optional parts of a machine that this set does not use; the machine type says in
-        ``part_tables`` which of its tables and keys describe them.
-    """
+    """Which models a run uses."""
 
     name: str
+    """Value of ``run.fidelity``."""
     content: str
+    """The set in one sentence, for reports."""
     interfaces: Mapping[str, tuple[str, ...]]
+    """Models that it offers for each interface, its own choice first; empty without films."""
     unused: tuple[str, ...] = ()
+    """Optional parts of a machine that this set does not use; the machine type says in
+    ``part_tables`` which of its tables and keys describe them.
+    """
 
 
 _BALANCE = ("floating_part", "elastic_bodies", "startup")

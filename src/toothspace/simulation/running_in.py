@@ -34,21 +34,14 @@ CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
 @final
 @dataclass(frozen=True, eq=False)
 class WornMachine:
-    """A machine after running-in.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        The machine with the tracks in its casing.
-    depths : dict of str to ndarray
-        Depth of each track over the casing angle, by the path that wears. [m]
-    status : Status
-        Whether the running-in came to its end.
-    """
+    """A machine after running-in."""
 
     description: MachineDescription
+    """The machine with the tracks in its casing."""
     depths: dict[str, Array]
+    """Depth of each track over the casing angle, by the path that wears. [m]"""
     status: Status = Status.DONE
+    """Whether the running-in came to its end."""
 
     def marked(self, solution: Solution) -> Solution:
         """Solution on this machine: not done on a casing that was cut only in part."""

@@ -31,21 +31,14 @@ _BEYOND_BREAKAWAY = 1.5
 @final
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """What a preset simulates.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    description : MachineDescription
-        Its machine, as designed.
-    fluid : FluidLaw
-        Its fluid at its temperature.
-    """
+    """What a preset simulates."""
 
     case: Case
+    """The case."""
     description: MachineDescription
+    """Its machine, as designed."""
     fluid: FluidLaw
+    """Its fluid at its temperature."""
 
     @property
     def condition(self) -> OperatingCondition:

@@ -24,24 +24,16 @@ _RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
 @final
 @dataclass(frozen=True, eq=False)
 class CoverFilms:
-    """Films before every cover of a machine.
-
-    Parameters
-    ----------
-    films : tuple of FaceConductance
-        Conductances, supporting areas and drag.
-    places : FacePlaces or None
-        Where bodies stand that move between the covers.
-    asperity_torque : mapping of str to float
-        Mean torque of touching asperities on a body. [N m]
-    shear_speed : float
-        Viscosity times shaft speed of the film's shear. [Pa]
-    """
+    """Films before every cover of a machine."""
 
     films: tuple[FaceConductance, ...]
+    """Conductances, supporting areas and drag."""
     places: FacePlaces | None = None
+    """Where bodies stand that move between the covers."""
     asperity_torque: Mapping[str, float] = field(default_factory=dict)
+    """Mean torque of touching asperities on a body. [N m]"""
     shear_speed: float = 0.0
+    """Viscosity times shaft speed of the film's shear. [Pa]"""
 
 
 def with_shared_films(

@@ -26,21 +26,14 @@ _TIGHTEST = 1e-9
 @final
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """A machine at an operating point, to be integrated at one tolerance or another.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        The machine.
-    fluid : FluidLaw
-        Fluid.
-    condition : OperatingCondition
-        Operating point, with the relative tolerance to begin with.
-    """
+    """A machine at an operating point, to be integrated at one tolerance or another."""
 
     description: MachineDescription
+    """The machine."""
     fluid: FluidLaw
+    """Fluid."""
     condition: OperatingCondition
+    """Operating point, with the relative tolerance to begin with."""
 
     def at(self, tolerance: float) -> System:
         """System at a relative tolerance [-]."""

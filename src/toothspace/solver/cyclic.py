@@ -40,24 +40,16 @@ _LARGEST_MOVE = 0.5
 @final
 @dataclass(frozen=True)
 class RunPlan:
-    """How long to march and how densely to sample.
-
-    Parameters
-    ----------
-    revolutions : int or None
-        Shaft revolutions, or None to go on until cyclic.
-    max_revolutions : int
-        Largest number of revolutions on the way to the cyclic state.
-    samples_per_revolution : int
-        Samples kept in each revolution.
-    max_steps : int
-        Most time steps.
-    """
+    """How long to march and how densely to sample."""
 
     revolutions: int | None = None
+    """Shaft revolutions, or None to go on until cyclic."""
     max_revolutions: int = 40
+    """Largest number of revolutions on the way to the cyclic state."""
     samples_per_revolution: int = 720
+    """Samples kept in each revolution."""
     max_steps: int = 50_000_000
+    """Most time steps."""
 
 
 @final

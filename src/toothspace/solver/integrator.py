@@ -52,20 +52,14 @@ _COUNTERS = {
 @final
 @dataclass(frozen=True)
 class March:
-    """One integration under way: advance it piece by piece.
-
-    Parameters
-    ----------
-    system : System
-        What is integrated.
-    program, settings, state
-        Elimination program, settings and memory of the integrator.
-    """
+    """One integration under way: advance it piece by piece."""
 
     system: System
+    """What is integrated."""
     program: LuProgram
     settings: NdfSettings
     state: NdfState
+    """Elimination program, settings and memory of the integrator."""
 
     def advance(self, sample_times: Array) -> Piece:
         """Integrate to the last sample time [s] and return the samples on the way."""

@@ -26,44 +26,29 @@ _KINKS = 1000
 @final
 @dataclass(frozen=True)
 class TimePlan:
-    """Duration and sampling of a transient run.
-
-    Parameters
-    ----------
-    duration : float
-        Simulated time. [s]
-    cells : int
-        Rows of the result; each keeps mean, lowest and highest value of its samples.
-    samples_per_cell : int
-        Samples evaluated in each cell.
-    max_steps : int
-        Most time steps.
-    channels : tuple of str, optional
-        Kept variables of those with several values in each sample; all if not given.
-    """
+    """Duration and sampling of a transient run."""
 
     duration: float
+    """Simulated time. [s]"""
     cells: int = 4000
+    """Rows of the result; each keeps mean, lowest and highest value of its samples."""
     samples_per_cell: int = 8
+    """Samples evaluated in each cell."""
     max_steps: int = 50_000_000
+    """Most time steps."""
     channels: tuple[str, ...] | None = None
+    """Kept variables of those with several values in each sample; all if not given."""
 
 
 @final
 @dataclass
 class TransientMarch:
-    """A transient run under way: chunks of sampled states, and what happened.
-
-    Parameters
-    ----------
-    system : System
-        Machine with a free shaft.
-    plan : TimePlan
-        Duration and sampling.
-    """
+    """A transient run under way: chunks of sampled states, and what happened."""
 
     system: System
+    """Machine with a free shaft."""
     plan: TimePlan
+    """Duration and sampling."""
     status: Status = Status.DONE
     events: list[Event] = field(default_factory=list)
     statistics: dict[str, float] = field(default_factory=dict)

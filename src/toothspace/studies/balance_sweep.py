@@ -59,29 +59,21 @@ _TELL = 1e-9
 @final
 @dataclass(frozen=True, eq=False)
 class FilmTable:
-    """Films at one outlet pressure over a gap that is the same everywhere.
-
-    Parameters
-    ----------
-    outlet_pressure, difference : float
-        Outlet pressure, and outlet less low pressure. [Pa]
-    opening : ndarray
-        Force of films and low pressure away from the gears less the springs, without the
-        balanced area, on a fine grid of gaps. [N]
-    normal : float
-        Force that presses the bearing against its housing. [N]
-    numbers : mapping of str to ndarray
-        Numbers of the films over ``GAPS``, names with unit suffix.
-    plane_area : float
-        Area that plane rigid faces would carry. [m2]
-    """
+    """Films at one outlet pressure over a gap that is the same everywhere."""
 
     outlet_pressure: float
     difference: float
+    """Outlet pressure, and outlet less low pressure. [Pa]"""
     opening: Array
+    """Force of films and low pressure away from the gears less the springs, without the balanced
+    area, on a fine grid of gaps. [N]
+    """
     normal: float
+    """Force that presses the bearing against its housing. [N]"""
     numbers: Mapping[str, Array]
+    """Numbers of the films over ``GAPS``, names with unit suffix."""
     plane_area: float
+    """Area that plane rigid faces would carry. [m2]"""
 
     def at(self, name: str, gaps: Array) -> Array:
         """Number of the films at gaps. [m to unit of the name]."""

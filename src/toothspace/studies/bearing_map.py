@@ -72,18 +72,12 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 @final
 @dataclass(frozen=True)
 class BearingNumbers:
-    """Evaluates a case to numbers of its bearing in equilibrium: a function for points of a study.
-
-    Parameters
-    ----------
-    start_gap : float
-        Gap that the bearing starts from. [m]
-    rounds : int
-        Most runs of the chambers. [-]
-    """
+    """Evaluates a case to numbers of its bearing in equilibrium, for points of a study."""
 
     start_gap: float
+    """Gap that the bearing starts from. [m]"""
     rounds: int = 1
+    """Most runs of the chambers. [-]"""
 
     @property
     def label(self) -> str:

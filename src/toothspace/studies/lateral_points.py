@@ -51,25 +51,17 @@ _LUMPED_REVOLUTIONS = 24
 @final
 @dataclass(frozen=True, kw_only=True)
 class PointCondition:
-    """One point of a study.
-
-    Parameters
-    ----------
-    label : str
-        Name.
-    outlet_pressure, inlet_pressure : float
-        Absolute pressures. [Pa]
-    shaft_speed : float
-        Shaft speed. [rad/s]
-    nose_pressure : float or None
-        Absolute pressure on the nose; None: the low pressure. [Pa]
-    """
+    """One point of a study."""
 
     label: str
+    """Name."""
     outlet_pressure: float
     inlet_pressure: float
+    """Absolute pressures. [Pa]"""
     shaft_speed: float
+    """Shaft speed. [rad/s]"""
     nose_pressure: float | None = None
+    """Absolute pressure on the nose; None: the low pressure. [Pa]"""
 
     @classmethod
     def of(cls, case: Case, label: str, **given: float) -> PointCondition:
@@ -82,18 +74,12 @@ class PointCondition:
 @final
 @dataclass(frozen=True)
 class LateralStudy:
-    """Points of a study in their order.
-
-    Parameters
-    ----------
-    conditions : tuple of PointCondition
-        What is asked for.
-    points : tuple of StoredPoint
-        What was found; after an interrupt the points at the end are missing.
-    """
+    """Points of a study in their order."""
 
     conditions: tuple[PointCondition, ...]
+    """What is asked for."""
     points: tuple[StoredPoint, ...]
+    """What was found; after an interrupt the points at the end are missing."""
 
     @property
     def status(self) -> Status:
@@ -194,24 +180,16 @@ def film_numbers(numbers: LateralNumbers) -> dict[str, float]:
 @final
 @dataclass(frozen=True, eq=False)
 class LateralPoints:
-    """Machine of a case, prepared for points of a floating bearing.
-
-    Parameters
-    ----------
-    case : Case
-        The case, with an operating point.
-    machine : RunInMachine
-        The machine after running-in, with the housing friction of the study.
-    settings : LateralSettings
-        Grids and laws of the films.
-    rounds : int
-        Most lumped runs at a point.
-    """
+    """Machine of a case, prepared for points of a floating bearing."""
 
     case: Case
+    """The case, with an operating point."""
     machine: RunInMachine
+    """The machine after running-in, with the housing friction of the study."""
     settings: LateralSettings
+    """Grids and laws of the films."""
     rounds: int = 1
+    """Most lumped runs at a point."""
 
     @property
     def balance(self) -> LateralBalance:

@@ -23,27 +23,18 @@ _FAR = 1e3
 @final
 @dataclass(frozen=True)
 class Fit:
-    """Result of a fit.
-
-    Parameters
-    ----------
-    shares : ndarray, shape (keys,)
-        Best point in the unit cube. [-]
-    residuals : ndarray, shape (rows,)
-        Residuals there. [-]
-    slopes : ndarray, shape (rows, keys)
-        Their slopes there. [-]
-    evaluations : int
-        Points that were asked for.
-    converged : bool
-        Whether the last step was small, rather than the budget used up.
-    """
+    """Result of a fit."""
 
     shares: Array
+    """Best point in the unit cube. Shape (keys,). [-]"""
     residuals: Array
+    """Residuals there. Shape (rows,). [-]"""
     slopes: Array
+    """Their slopes there. Shape (rows, keys). [-]"""
     evaluations: int
+    """Points that were asked for."""
     converged: bool
+    """Whether the last step was small, rather than the budget used up."""
 
     @property
     def covariance(self) -> Array:

@@ -25,21 +25,14 @@ _DIFFERENCE = "pressure_difference"
 @final
 @dataclass(frozen=True)
 class Measured:
-    """Measured columns.
-
-    Parameters
-    ----------
-    times : ndarray or None
-        Times of signals, None for steady points. [s]
-    settings : tuple of mapping
-        Values of case keys for each steady point, as they would stand in a case file.
-    channels : mapping of name to ndarray, shape (rows,)
-        Signals in SI units, or summary numbers in the unit of their name.
-    """
+    """Measured columns."""
 
     times: Array | None
+    """Times of signals, None for steady points. [s]"""
     settings: tuple[Mapping[str, Any], ...]
+    """Values of case keys for each steady point, as they would stand in a case file."""
     channels: Mapping[str, Array]
+    """Signals in SI units, or summary numbers in the unit of their name. Shape (rows,)."""
 
     @property
     def rows(self) -> int:
@@ -50,18 +43,12 @@ class Measured:
 @final
 @dataclass(frozen=True)
 class Signals:
-    """Evaluates a case to its signals at given times: a function for points of a study.
-
-    Parameters
-    ----------
-    times : tuple of float
-        Times. [s]
-    names : tuple of str
-        Result variables over time, or ``pressure_difference``.
-    """
+    """Evaluates a case to its signals at given times: a function for points of a study."""
 
     times: tuple[float, ...]
+    """Times. [s]"""
     names: tuple[str, ...]
+    """Result variables over time, or ``pressure_difference``."""
 
     @property
     def label(self) -> str:

@@ -29,21 +29,14 @@ A function of a module, or an object with a text ``label`` that says what it eva
 @final
 @dataclass(frozen=True)
 class Point:
-    """One point of a study.
-
-    Parameters
-    ----------
-    values : mapping of key path to value
-        What differs from the case of the study, as it would stand in a case file.
-    case : Case or None
-        The case of the point; None if the values are refused.
-    message : str
-        Why they are refused.
-    """
+    """One point of a study."""
 
     values: Mapping[str, Any]
+    """What differs from the case of the study, as it would stand in a case file. By key path."""
     case: Case | None
+    """The case of the point; None if the values are refused."""
     message: str = ""
+    """Why they are refused."""
 
 
 def operating_point_of(case: Case) -> OperatingPoint:

@@ -29,27 +29,18 @@ PREVIOUS_FILE_NAME = "points_previous.jsonl"
 @final
 @dataclass(frozen=True)
 class Record:
-    """What one point of a study gave.
-
-    Parameters
-    ----------
-    key : str
-        Hash of what was computed.
-    status : str
-        Status of the run in lower case, ``bad_input``, or ``failed`` after an unexpected error.
-    numbers : mapping
-        Summary numbers, or what else the study evaluates; empty if there are none.
-    message : str
-        Why the point failed, in one line; empty if it did not.
-    wall_time : float
-        Time that it took. [s]
-    """
+    """What one point of a study gave."""
 
     key: str
+    """Hash of what was computed."""
     status: str
+    """Status of the run in lower case, ``bad_input``, or ``failed`` after an unexpected error."""
     numbers: Mapping[str, Any] = field(default_factory=dict)
+    """Summary numbers, or what else the study evaluates; empty if there are none."""
     message: str = ""
+    """Why the point failed, in one line; empty if it did not."""
     wall_time: float = math.nan
+    """Time that it took. [s]"""
 
     @property
     def succeeded(self) -> bool:

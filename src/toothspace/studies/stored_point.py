@@ -28,42 +28,28 @@ _SCALARS = ("residual", "nose_pressure", "breakaway_force", "preload", "temperat
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StoredPoint:
-    """What a study keeps of one point.
-
-    Parameters
-    ----------
-    status : Status
-        Outcome.
-    numbers : LateralNumbers
-        Mean numbers of the films.
-    residual : float
-        Largest force out of balance over the force behind the bearing. [-]
-    nose_pressure : float
-        Absolute pressure on the nose. [Pa]
-    breakaway_force : float
-        Friction of the housing at which the bearing breaks away. [N]
-    preload : float
-        Force of springs and seal. [N]
-    temperature_rise : float or None
-        Hottest film above the fluid; None where none warms up. [K]
-    coordinates : ndarray
-        Positions and rotations of all bodies. [m, rad]
-    films : tuple of str
-        Names of the films.
-    maps : mapping of str to ndarray
-        Fields of the films and the places of their cells, by the names of results.
-    """
+    """What a study keeps of one point."""
 
     status: Status
+    """Outcome."""
     numbers: LateralNumbers
+    """Mean numbers of the films."""
     residual: float
+    """Largest force out of balance over the force behind the bearing. [-]"""
     nose_pressure: float
+    """Absolute pressure on the nose. [Pa]"""
     breakaway_force: float
+    """Friction of the housing at which the bearing breaks away. [N]"""
     preload: float
+    """Force of springs and seal. [N]"""
     temperature_rise: float | None
+    """Hottest film above the fluid; None where none warms up. [K]"""
     coordinates: Array
+    """Positions and rotations of all bodies. [m, rad]"""
     films: tuple[str, ...]
+    """Names of the films."""
     maps: Mapping[str, Array]
+    """Fields of the films and the places of their cells, by the names of results."""
 
 
 def stored_point(point: CoupledPoint) -> StoredPoint:

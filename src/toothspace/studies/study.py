@@ -26,21 +26,14 @@ Row = Sequence[float | str]
 @final
 @dataclass(frozen=True)
 class StudyContext:
-    """Where and how a study computes.
-
-    Parameters
-    ----------
-    progress : callable or None
-        Called with the finished share and a short text.
-    workers : Workers
-        Who computes the points.
-    records : Records
-        Finished points.
-    """
+    """Where and how a study computes."""
 
     progress: Progress | None = None
+    """Called with the finished share and a short text."""
     workers: Workers = field(default_factory=Workers)
+    """Who computes the points."""
     records: Records = field(default_factory=Records)
+    """Finished points."""
 
 
 @final

@@ -21,32 +21,22 @@ _LARGEST_DEVIATION = 6.0
 @final
 @dataclass(frozen=True)
 class Axis:
-    """One varied key.
-
-    Parameters
-    ----------
-    path : str
-        Key path.
-    unit : str
-        Unit of its numbers, empty if it is dimensionless or no number.
-    values : tuple
-        The values of a list or grid as numbers in the unit (or words); empty otherwise.
-    low, high : float
-        Limits of a span, infinite for an unlimited normal distribution. [unit]
-    mean, deviation : float
-        Of a normal distribution, NaN for a uniform one. [unit]
-    whole : bool
-        Whether only whole numbers are meant.
-    """
+    """One varied key."""
 
     path: str
+    """Key path."""
     unit: str = ""
+    """Unit of its numbers, empty if it is dimensionless or no number."""
     values: tuple[Any, ...] = ()
+    """The values of a list or grid as numbers in the unit (or words); empty otherwise."""
     low: float = math.nan
     high: float = math.nan
+    """Limits of a span, infinite for an unlimited normal distribution. [unit]"""
     mean: float = math.nan
     deviation: float = math.nan
+    """Of a normal distribution, NaN for a uniform one. [unit]"""
     whole: bool = False
+    """Whether only whole numbers are meant."""
 
     def written(self, number: Any) -> Any:
         """Return a value of the axis as it would stand in a case file."""

@@ -21,54 +21,36 @@ Effort = Literal["short", "full"]
 @final
 @dataclass(frozen=True)
 class ValidationSource:
-    """A publication.
-
-    Parameters
-    ----------
-    key : str
-        Short name, by custom author and year.
-    title : str
-        What it is about.
-    citation : str
-        Where to find it.
-    assumed : str
-        What it leaves open and is assumed here; empty if nothing.
-    """
+    """A publication."""
 
     key: str
+    """Short name, by custom author and year."""
     title: str
+    """What it is about."""
     citation: str
+    """Where to find it."""
     assumed: str = ""
+    """What it leaves open and is assumed here; empty if nothing."""
 
 
 @final
 @dataclass(frozen=True)
 class ComparedValue:
-    """One number against a published number, bound or range.
-
-    Parameters
-    ----------
-    name : str
-        What it is.
-    ours : float
-        Number of this version, in ``unit``.
-    unit : str
-        Unit of all numbers.
-    low, high : float
-        Allowed range; infinite where there is no bound.
-    published : float or None
-        Published number, None where only words, a bound or a range are given.
-    words : str
-        What is published, where it is no number.
-    """
+    """One number against a published number, bound or range."""
 
     name: str
+    """What it is."""
     ours: float
+    """Number of this version, in ``unit``."""
     unit: str
+    """Unit of all numbers."""
     low: float = -math.inf
     high: float = math.inf
+    """Allowed range; infinite where there is no bound."""
     published: float | None = None
+    """Published number, None where only words, a bound or a range are given."""
     words: str = ""
+    """What is published, where it is no number."""
 
     @property
     def verdict(self) -> Verdict:
@@ -120,35 +102,24 @@ def holds(name: str, statement: bool, words: str) -> ComparedValue:
 @final
 @dataclass(frozen=True)
 class ComparedCurve:
-    """A curve over a published one.
-
-    Parameters
-    ----------
-    name : str
-        What is drawn.
-    x_label, y_label : str
-        Axes with units.
-    x, y : ndarray
-        Curve of this version.
-    published : ndarray or None
-        Published values; None where there are no numbers and the figure is for the eye.
-    published_x : ndarray or None
-        Where they are published; None for the places of this version.
-    tolerance : float
-        Largest distance in y at a published point; infinite if the curve itself is not judged.
-    logarithmic : bool
-        Whether both axes are.
-    """
+    """A curve over a published one."""
 
     name: str
+    """What is drawn."""
     x_label: str
     y_label: str
+    """Axes with units."""
     x: Array
     y: Array
+    """Curve of this version."""
     published: Array | None = None
+    """Published values; None where there are no numbers and the figure is for the eye."""
     published_x: Array | None = None
+    """Where they are published; None for the places of this version."""
     tolerance: float = math.inf
+    """Largest distance in y at a published point; infinite if the curve itself is not judged."""
     logarithmic: bool = False
+    """Whether both axes are."""
 
     @property
     def places(self) -> Array:
@@ -175,77 +146,52 @@ class ComparedCurve:
 @final
 @dataclass(frozen=True)
 class Evidence:
-    """What one computation gives.
-
-    Parameters
-    ----------
-    values : tuple of ComparedValue
-        Numbers.
-    curves : tuple of ComparedCurve
-        Figures.
-    films : xarray.Dataset or None
-        Films at the points of a study, whose heights are drawn.
-    """
+    """What one computation gives."""
 
     values: tuple[ComparedValue, ...] = ()
+    """Numbers."""
     curves: tuple[ComparedCurve, ...] = ()
+    """Figures."""
     films: xr.Dataset | None = None
+    """Films at the points of a study, whose heights are drawn."""
 
 
 @final
 @dataclass(frozen=True)
 class Claim:
-    """A published number, statement or figure.
-
-    Parameters
-    ----------
-    key : str
-        Unique short name.
-    source : ValidationSource
-        Publication.
-    statement : str
-        What it says.
-    tolerance : str
-        Why deviations of the allowed size are allowed; or why the claim cannot be examined.
-    measure : callable or None
-        Returns the finding at a given effort, ``short`` for coarse grids and few points; None if
-        the numbers cannot be had.
-    minutes : float
-        Rough duration of the full computation on one core. [min]
-    reason : str
-        Why this version does not meet it; empty where it does.
-    """
+    """A published number, statement or figure."""
 
     key: str
+    """Unique short name."""
     source: ValidationSource
+    """Publication."""
     statement: str
+    """What it says."""
     tolerance: str
+    """Why deviations of the allowed size are allowed; or why the claim cannot be examined."""
     measure: Callable[[Effort], Evidence] | None
+    """Returns the finding at a given effort, ``short`` for coarse grids and few points; None if the
+    numbers cannot be had.
+    """
     minutes: float = 0.2
+    """Rough duration of the full computation on one core. [min]"""
     reason: str = ""
+    """Why this version does not meet it; empty where it does."""
 
 
 @final
 @dataclass(frozen=True)
 class Examined:
-    """A claim with what was found.
-
-    Parameters
-    ----------
-    claim : Claim
-        What is published.
-    finding : Evidence
-        Numbers and curves, empty where they cannot be had.
-    trouble : str
-        Why the computation gave nothing, empty if it did.
-    duration : float
-        Time that it took. [s]
-    """
+    """A claim with what was found."""
 
     claim: Claim
+    """What is published."""
     finding: Evidence
+    """Numbers and curves, empty where they cannot be had."""
     trouble: str = ""
+    """Why the computation gave nothing, empty if it did."""
     duration: float = 0.0
+    """Time that it took. [s]"""
 
     @property
     def verdict(self) -> Verdict:

@@ -22,25 +22,18 @@ _ASIDE = 0.01
 @final
 @dataclass(frozen=True, eq=False)
 class BasisFunctions:
-    """Basis functions of one face.
-
-    Parameters
-    ----------
-    grid : FaceGrid
-        Face.
-    waves : int
-        Most waves round the circumference, at least one. [-]
-    degree : int
-        Largest degree of the polynomials, at least one: then planes are among them. [-]
-    film : ndarray of bool, optional
-        Cells that fields are fitted on, in place of all. What such a fit leaves has no mean there,
-        so that it hardly squeezes the film.
-    """
+    """Basis functions of one face."""
 
     grid: FaceGrid
+    """Face."""
     waves: int
+    """Most waves round the circumference, at least one. [-]"""
     degree: int
+    """Largest degree of the polynomials, at least one: then planes are among them. [-]"""
     film: BoolArray | None = None
+    """Cells that fields are fitted on, in place of all. What such a fit leaves has no mean there,
+    so that it hardly squeezes the film.
+    """
     _round: Array = field(init=False, repr=False)
     _along: Array = field(init=False, repr=False)
 

@@ -63,37 +63,25 @@ class GivenPressures(NamedTuple):
 @final
 @dataclass(frozen=True)
 class CompliantSolution:
-    """Film with its gap.
-
-    Parameters
-    ----------
-    plane : PlaneSolution
-        Fields; the linear system is that of the coupled problem.
-    contact, contact_slope : ndarray
-        Asperity pressure and its derivative with the gap. [Pa, Pa/m]
-    gap_slope : ndarray
-        Change of the gap over a change of its undeformed height. [-]
-    kind : ndarray of int
-        Kinds of the cells for a next pass; those of the fields if the film settled.
-    change : float
-        Largest change of the gap by the last pass over the gap. [-]
-    found : Linearised, optional
-        Balance and its slopes; none between rigid faces.
-    given : GivenPressures, optional
-        What it was solved between; none between rigid faces.
-    frequency : float
-        Inverse of the time in which the faces deform, 0 for steady ones. [1/s]
-    """
+    """Film with its gap."""
 
     plane: PlaneSolution
+    """Fields; the linear system is that of the coupled problem."""
     contact: Array
     contact_slope: Array
+    """Asperity pressure and its derivative with the gap. [Pa, Pa/m]"""
     gap_slope: Array
+    """Change of the gap over a change of its undeformed height. [-]"""
     kind: IntArray
+    """Kinds of the cells for a next pass; those of the fields if the film settled."""
     change: float = 0.0
+    """Largest change of the gap by the last pass over the gap. [-]"""
     found: Linearised | None = None
+    """Balance and its slopes; none between rigid faces."""
     given: GivenPressures | None = None
+    """What it was solved between; none between rigid faces."""
     frequency: float = 0.0
+    """Inverse of the time in which the faces deform, 0 for steady ones. [1/s]"""
 
 
 @kernel

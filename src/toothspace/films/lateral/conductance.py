@@ -36,43 +36,33 @@ _LEAST = 1e-3
 @final
 @dataclass(frozen=True)
 class FaceResolution:
-    """Grid on one pitch of the chambers.
-
-    Parameters
-    ----------
-    rows, lanes : int
-        Cells along the circumference of one pitch, and along the radius. [-]
-    angles : int
-        Angles on one pitch; of ``rows`` a divisor, so that the grid turns with the body. [-]
-    """
+    """Grid on one pitch of the chambers."""
 
     rows: int
     lanes: int
+    """Cells along the circumference of one pitch, and along the radius. [-]"""
     angles: int
+    """Angles on one pitch; of ``rows`` a divisor, so that the grid turns with the body. [-]"""
 
 
 @final
 @dataclass(frozen=True)
 class FaceConductance:
-    """Films of one face over one pitch of the chambers.
-
-    Parameters
-    ----------
-    matrix : ndarray, shape (angles, k, k)
-        Flow into the film per pressure, over h^3/(12 mu) of the face's gap; edges are the
-        chambers, the recesses, the inner rim, the sectors of the outer rim. Rows sum to 0. [-]
-    area : ndarray, shape (angles, bodies, k)
-        Force on the face of a body per pressure at an edge. [m2]
-    drag : ndarray, shape (bodies,)
-        Torque on the face of a body per viscosity and speed, times the face's gap. [m4]
-    turn : ndarray, shape (angles,)
-        Growth of the table angles since shaft angle zero. [rad]
-    """
+    """Films of one face over one pitch of the chambers."""
 
     matrix: Array
+    """Flow into the film per pressure, over h^3/(12 mu) of the face's gap; edges are the chambers,
+    the recesses, the inner rim, the sectors of the outer rim. Rows sum to 0. Shape (angles, k, k).
+    [-]
+    """
     area: Array
+    """Force on the face of a body per pressure at an edge. Shape (angles, bodies, k). [m2]"""
     drag: Array
+    """Torque on the face of a body per viscosity and speed, times the face's gap. Shape (bodies,).
+    [m4]
+    """
     turn: Array
+    """Growth of the table angles since shaft angle zero. Shape (angles,). [rad]"""
 
 
 def face_conductance(

@@ -26,33 +26,28 @@ Fields = list[list[Array]]
 @final
 @dataclass(frozen=True, eq=False)
 class DeformationResponse:
-    """Response of films, bodies and forces to smooth basis functions of the gaps.
-
-    Parameters
-    ----------
-    basis : tuple of BasisFunctions
-        Those of every film.
-    gain : ndarray, shape (n, n)
-        Coefficients of the distant deformation by the pressures per coefficient of the gap. [-]
-    force : ndarray, shape (coordinates, n)
-        Film force on the coordinates per coefficient. [N/m, N]
-    planes : ndarray, shape (n, coordinates)
-        Coefficients per unit of the coordinates. [-, m]
-    squeezed : ndarray, shape (n, coordinates)
-        Coefficients of the distant deformation per rate of the coordinates. [s, m s]
-    drag : ndarray, shape (coordinates, coordinates)
-        Damping of the films where the distant deformation stays. [N s/m, N s, N m s]
-    frequency : float
-        Inverse of the step over which the gaps change, 0 where the deformation is steady. [1/s]
-    """
+    """Response of films, bodies and forces to smooth basis functions of the gaps."""
 
     basis: tuple[BasisFunctions, ...]
+    """Those of every film."""
     gain: Array
+    """Coefficients of the distant deformation by the pressures per coefficient of the gap. Shape
+    (n, n). [-]
+    """
     force: Array
+    """Film force on the coordinates per coefficient. Shape (coordinates, n). [N/m, N]"""
     planes: Array
+    """Coefficients per unit of the coordinates. Shape (n, coordinates). [-, m]"""
     squeezed: Array
+    """Coefficients of the distant deformation per rate of the coordinates. Shape (n, coordinates).
+    [s, m s]
+    """
     drag: Array
+    """Damping of the films where the distant deformation stays. Shape (coordinates, coordinates).
+    [N s/m, N s, N m s]
+    """
     frequency: float
+    """Inverse of the step over which the gaps change, 0 where the deformation is steady. [1/s]"""
     settled: Array = field(init=False, repr=False)
     """Final coefficients per coefficient of what the deformation misses. [-]"""
     pull: Array = field(init=False, repr=False)

@@ -43,19 +43,6 @@ NamedLoads = Callable[[Snapshot], Mapping[str, Mapping[str, float]]]
 class ElasticFaces:
     """Deformation of the gaps by bearings and gears that bend, compress and bulge.
 
-    Parameters
-    ----------
-    grids : tuple of FaceGrid
-        One per film.
-    bodies : mapping of str to InfluenceMatrix
-        Bearings, or their parts, by the names that the films have for them, with the film
-        ``face`` in the machine frame; the turning bodies by name with the films ``floating`` and
-        ``solid`` in their own frame.
-    named_loads : callable
-        What acts on the bodies besides the films, by snapshot.
-    local : tuple of float
-        Part of the deformation that follows the pressure at the same place, by film. [m/Pa]
-
     Notes
     -----
     The film follows the local part within its own iteration, the distant part is
@@ -63,9 +50,16 @@ class ElasticFaces:
     """
 
     grids: tuple[FaceGrid, ...]
+    """One per film."""
     bodies: Mapping[str, InfluenceMatrix]
+    """Bearings, or their parts, by the names that the films have for them, with the film ``face``
+    in the machine frame; the turning bodies by name with the films ``floating`` and ``solid`` in
+    their own frame.
+    """
     named_loads: NamedLoads
+    """What acts on the bodies besides the films, by snapshot."""
     local: tuple[float, ...]
+    """Part of the deformation that follows the pressure at the same place, by film. [m/Pa]"""
     _on_bearing: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
@@ -94,8 +88,7 @@ class ElasticFaces:
         ends = np.cumsum([0, *map(len, changes)])
         spans = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         loads = {name: np.zeros((len(b.nodes), ends[-1])) for name, b in self.bodies.items()}
-        nodal = in_parallel(lambda k: self._all_loads(k, changes[k], snapshot), films, size)
-        for k, felt in zip(films, nodal, strict=True):
+        for k, felt in enumerate(self._nodal_loads(changes, snapshot)):
             for load, (name, nodes, _) in zip(felt, self._faces(k, snapshot), strict=True):
                 loads[name][nodes, spans[k]] += load
         moved = {name: self.bodies[name].compliance @ load for name, load in loads.items()}
@@ -109,15 +102,21 @@ class ElasticFaces:
 
         return np.vstack(in_parallel(opened, films, size))
 
-    def _all_loads(self, index: int, changes: Array, snapshot: Snapshot) -> tuple[Array, Array]:
-        """Loads of many pressures of one film on the nodes of bearing and turning body. [N]."""
-        bearing, body = self._kept_spread(index, snapshot.shaft_angle)
-        mask, push = (
-            snapshot.masks[index],
-            (changes * self.grids[index].area).reshape(len(changes), -1),
-        )
-        on_bearing = np.where(mask.owned.ravel(), push, 0.0)
-        return bearing.T @ on_bearing.T, body.T @ np.where(mask.covered.ravel(), push, 0.0).T
+    def _nodal_loads(
+        self, pressures: Sequence[Array], snapshot: Snapshot
+    ) -> Sequence[tuple[Array, Array]]:
+        """Loads on the nodes of bearing and turning body, one column per pressure, by film. [N]."""
+
+        def felt(k: int) -> tuple[Array, Array]:
+            bearing, body = self._kept_spread(k, snapshot.shaft_angle)
+            mask, push = snapshot.masks[k], pressures[k] * self.grids[k].area
+            on_bearing, on_body = (
+                np.where(part, push, 0.0).reshape(len(push), -1).T
+                for part in (mask.owned, mask.covered)
+            )
+            return bearing.T @ on_bearing, body.T @ on_body
+
+        return in_parallel(felt, range(len(self.grids)), self.grids[0].area.size)
 
     def _faces(self, index: int, snapshot: Snapshot) -> list[tuple[str, slice, sp.csr_matrix]]:
         """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""
@@ -168,20 +167,11 @@ class ElasticFaces:
 
     def _film_loads(self, pressures: Sequence[Array], snapshot: Snapshot) -> dict[str, Array]:
         """Loads of all films on the nodes of all bodies. [N]."""
-        films, size = range(len(self.grids)), self.grids[0].area.size
         loads = {name: np.zeros(len(body.nodes)) for name, body in self.bodies.items()}
-        nodal = in_parallel(lambda k: self._nodal_loads(k, pressures[k], snapshot), films, size)
-        for k, felt in zip(films, nodal, strict=True):
+        for k, felt in enumerate(self._nodal_loads([p[None] for p in pressures], snapshot)):
             for load, (name, nodes, _) in zip(felt, self._faces(k, snapshot), strict=True):
-                loads[name][nodes] += load
+                loads[name][nodes] += load[:, 0]
         return loads
-
-    def _nodal_loads(self, index: int, pressure: Array, snapshot: Snapshot) -> tuple[Array, Array]:
-        """Loads of one film on the nodes of bearing and turning body. [N]."""
-        bearing, body = self._kept_spread(index, snapshot.shaft_angle)
-        mask, push = snapshot.masks[index], pressure * self.grids[index].area
-        on_bearing = np.where(mask.owned, push, 0.0).ravel()
-        return bearing.T @ on_bearing, body.T @ np.where(mask.covered, push, 0.0).ravel()
 
     def _kept_loads(self, snapshot: Snapshot) -> Mapping[str, Mapping[str, float]]:
         """Named loads, kept for the next iterations with the same snapshots."""

@@ -42,50 +42,33 @@ NodePressure = Callable[[float], Array]
 @final
 @dataclass(frozen=True, kw_only=True)
 class SearchSettings:
-    """How an equilibrium is looked for.
-
-    Parameters
-    ----------
-    first_step : float
-        First step of the time in which the search moves. [s]
-    longest_time : float
-        Time after which the search stops: the dwell at the operating point. [s]
-    residual_motion : float
-        Viscous force of the remaining motion over the balance force that is left. [-]
-    stable : bool
-        Whether a balance that small motions tip away from is left for another.
-    """
+    """How an equilibrium is looked for."""
 
     first_step: float = 1e-3
+    """First step of the time in which the search moves. [s]"""
     longest_time: float = 1e3
+    """Time after which the search stops: the dwell at the operating point. [s]"""
     residual_motion: float = 1e-6
+    """Viscous force of the remaining motion over the balance force that is left. [-]"""
     stable: bool = True
+    """Whether a balance that small motions tip away from is left for another."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Outcome of a search.
-
-    Parameters
-    ----------
-    balance : Balance
-        Last state.
-    settled : bool
-        Whether the remaining motion is negligible.
-    time : float
-        Time over which the bodies moved. [s]
-    steps : int
-        Steps taken.
-    reason : str
-        Why there is no equilibrium, in words.
-    """
+    """Outcome of a search."""
 
     balance: Balance
+    """Last state."""
     settled: bool
+    """Whether the remaining motion is negligible."""
     time: float
+    """Time over which the bodies moved. [s]"""
     steps: int
+    """Steps taken."""
     reason: str = ""
+    """Why there is no equilibrium, in words."""
 
 
 def snapshots_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Snapshot, ...]:

@@ -100,30 +100,20 @@ class FilmBoundary(NamedTuple):
 @final
 @dataclass(frozen=True)
 class FaceFilm:
-    """Solved film of one face.
-
-    Parameters
-    ----------
-    grid : FaceGrid
-        Where it is.
-    law : FilmLaw
-        Its laws.
-    boundary : FilmBoundary
-        Its boundaries.
-    solution : CompliantSolution
-        Pressure, film fraction, asperity pressure and linear system.
-    face_motion : FaceMotion
-        Position and velocity of its upper face.
-    compliance : float
-        Local approach of the faces over pressure. [m/Pa]
-    """
+    """Solved film of one face."""
 
     grid: FaceGrid
+    """Where it is."""
     law: FilmLaw
+    """Its laws."""
     boundary: FilmBoundary
+    """Its boundaries."""
     solution: CompliantSolution
+    """Pressure, film fraction, asperity pressure and linear system."""
     face_motion: FaceMotion
+    """Position and velocity of its upper face."""
     compliance: float
+    """Local approach of the faces over pressure. [m/Pa]"""
 
     @property
     def plane(self) -> PlaneSolution:

@@ -22,27 +22,18 @@ _BEYOND = 1e-6
 @final
 @dataclass(frozen=True)
 class Mask:
-    """What stands against one bearing face at a shaft angle.
-
-    Parameters
-    ----------
-    node : ndarray of int
-        Node whose pressure acts in a cell, FILM where there is a film.
-    covered : ndarray of bool
-        Cells before which the own body stands.
-    open_face : ndarray of bool
-        Cells where a chamber meets the bearing and no other body does.
-    rim : ndarray of int
-        Nodes beyond the outer rim, one per angle.
-    bore : ndarray of int
-        Nodes within the inner rim, one per angle.
-    """
+    """What stands against one bearing face at a shaft angle."""
 
     node: IntArray
+    """Node whose pressure acts in a cell, FILM where there is a film."""
     covered: BoolArray
+    """Cells before which the own body stands."""
     open_face: BoolArray
+    """Cells where a chamber meets the bearing and no other body does."""
     rim: IntArray
+    """Nodes beyond the outer rim, one per angle."""
     bore: IntArray
+    """Nodes within the inner rim, one per angle."""
 
     @property
     def film(self) -> BoolArray:
@@ -58,19 +49,13 @@ class Mask:
 @final
 @dataclass(frozen=True, eq=False)
 class FaceGrid:
-    """Polar grid about the axis of one body, fixed to the bearing.
-
-    Parameters
-    ----------
-    interface : FilmInterface
-        Film that it is for.
-    rows, lanes : int
-        Cells round the circumference and along the radius. [-]
-    """
+    """Polar grid about the axis of one body, fixed to the bearing."""
 
     interface: FilmInterface
+    """Film that it is for."""
     rows: int
     lanes: int
+    """Cells round the circumference and along the radius. [-]"""
     points: PlanePoints = field(init=False, repr=False)
     area: Array = field(init=False, repr=False)
     _metric: FilmGrid = field(init=False, repr=False)

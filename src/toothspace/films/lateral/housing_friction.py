@@ -25,15 +25,6 @@ BREAKAWAY_RATIO = 2.5
 class HousingFriction:
     """Friction law with the forces of an operating point.
 
-    Parameters
-    ----------
-    coulomb_force : float
-        Friction force in motion. [N]
-    breakaway_speed : float
-        Speed of the friction peak. [m/s]
-    holds : bool
-        Whether the bearing can stick under load (set-valued law).
-
     References
     ----------
     .. [1] D. Thiagarajan, A. Vacca, S. Watkins, On the lubrication performance of external gear
@@ -42,8 +33,11 @@ class HousingFriction:
     """
 
     coulomb_force: float
+    """Friction force in motion. [N]"""
     breakaway_speed: float
+    """Speed of the friction peak. [m/s]"""
     holds: bool
+    """Whether the bearing can stick under load (set-valued law)."""
 
     @property
     def breakaway_force(self) -> float:

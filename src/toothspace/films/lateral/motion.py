@@ -42,33 +42,22 @@ _MOST_FAILURES = 3
 @final
 @dataclass(frozen=True, kw_only=True)
 class StepSettings:
-    """When a step is done.
-
-    Parameters
-    ----------
-    force_tolerance : float
-        Residual force over the balance force. [-]
-    film_tolerance : float
-        Change of deformation over the gap in one iteration. [-]
-    max_iterations : int
-        Newton iterations of one step.
-    memory : int
-        Former iterations from which the next deformation and position are predicted, 0 for none.
-    jacobian_age : int
-        Iterations and steps that one Jacobian serves; corrected by what it predicted if several.
-    passes : int
-        Passes of the films in one iteration; with few, films and forces settle together.
-    fineness : Fineness, optional
-        Basis functions of the deformation whose response is kept in place of a Jacobian.
-    """
+    """When a step is done."""
 
     force_tolerance: float = 1e-6
+    """Residual force over the balance force. [-]"""
     film_tolerance: float = 1e-3
+    """Change of deformation over the gap in one iteration. [-]"""
     max_iterations: int = 40
+    """Newton iterations of one step."""
     memory: int = 0
+    """Former iterations from which the next deformation and position are predicted, 0 for none."""
     jacobian_age: int = 1
+    """Iterations and steps that one Jacobian serves; corrected by what it predicted if several."""
     passes: int = Accuracy().passes
+    """Passes of the films in one iteration; with few, films and forces settle together."""
     fineness: Fineness | None = None
+    """Basis functions of the deformation whose response is kept in place of a Jacobian."""
 
 
 class Loads(NamedTuple):
@@ -86,39 +75,26 @@ class Loads(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """Bearings and gears at the end of a step.
-
-    Parameters
-    ----------
-    states : tuple of StackState
-        Films, one state per snapshot.
-    friction : ndarray
-        Friction force on each floating bearing, along z. [N]
-    slides : tuple of int
-        Sense in which each floating bearing slides, 0 at rest.
-    residual : float
-        Largest residual force over the balance force. [-]
-    iterations : int
-        Film solutions per snapshot.
-    converged : bool
-        Whether forces and films settled.
-    jacobian : tuple of ndarray or None
-        Stiffness and damping that served last.
-    age : int
-        Iterations that it has served.
-    responses : mapping of int to DeformationResponse
-        Responses to basis functions of the deformation, by the phase of the tooth pitch.
-    """
+    """Bearings and gears at the end of a step."""
 
     states: tuple[StackState, ...]
+    """Films, one state per snapshot."""
     friction: Array
+    """Friction force on each floating bearing, along z. [N]"""
     slides: tuple[int, ...]
+    """Sense in which each floating bearing slides, 0 at rest."""
     residual: float
+    """Largest residual force over the balance force. [-]"""
     iterations: int
+    """Film solutions per snapshot."""
     converged: bool
+    """Whether forces and films settled."""
     jacobian: tuple[Array, Array] | None = None
+    """Stiffness and damping that served last."""
     age: int = 0
+    """Iterations that it has served."""
     responses: Mapping[int, DeformationResponse] = field(default_factory=dict)
+    """Responses to basis functions of the deformation, by the phase of the tooth pitch."""
 
     @property
     def position(self) -> Array:

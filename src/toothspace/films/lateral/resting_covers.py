@@ -24,21 +24,14 @@ from toothspace.model.lateral_balance import (
 @final
 @dataclass(frozen=True)
 class OwnFace:
-    """Face map of one body alone; where another stands, the nearest chamber has its pressure.
-
-    Parameters
-    ----------
-    cover : FilmFace
-        Cover that several bodies share.
-    body : int
-        Number of the body.
-    beyond : int
-        Node beyond the outer rim of the cover.
-    """
+    """Face map of one body alone; where another stands, the nearest chamber has its pressure."""
 
     cover: FilmFace
+    """Cover that several bodies share."""
     body: int
+    """Number of the body."""
     beyond: int
+    """Node beyond the outer rim of the cover."""
 
     def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
         """Nodes and the body at points; angles in [rad], places in [m]."""

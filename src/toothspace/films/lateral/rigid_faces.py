@@ -22,36 +22,24 @@ from toothspace.model.operating_point import OperatingCondition
 @final
 @dataclass(frozen=True, kw_only=True)
 class FaceSetting:
-    """Where the opposite face stands, and the liquid between.
-
-    Parameters
-    ----------
-    side_gap : float
-        Gap height at the origin of the machine. [m]
-    fluid : FilmFluid
-        Liquid.
-    tilt : tuple of float
-        Rotation of the face about the x and y axis through the origin. [rad]
-    shaft_angle : float
-        Angle of the drive body. [rad]
-    surfaces : RoughSurfaces or None
-        Roughness and contact.
-    cavitation : str
-        Cavitation model.
-    cavitation_pressure : float
-        Absolute pressure in the cavity. [Pa]
-    grid : tuple of int
-        Cells round each body and along the radius. [-]
-    """
+    """Where the opposite face stands, and the liquid between."""
 
     side_gap: float
+    """Gap height at the origin of the machine. [m]"""
     fluid: FilmFluid
+    """Liquid."""
     tilt: tuple[float, float] = (0.0, 0.0)
+    """Rotation of the face about the x and y axis through the origin. [rad]"""
     shaft_angle: float = 0.0
+    """Angle of the drive body. [rad]"""
     surfaces: RoughSurfaces | None = None
+    """Roughness and contact."""
     cavitation: str = "jfo"
+    """Cavitation model."""
     cavitation_pressure: float = 0.0
+    """Absolute pressure in the cavity. [Pa]"""
     grid: tuple[int, int] = (256, 64)
+    """Cells round each body and along the radius. [-]"""
 
 
 @final

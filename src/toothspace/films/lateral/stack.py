@@ -47,15 +47,10 @@ class Compliance(Protocol):
 @final
 @dataclass(frozen=True)
 class WinklerFoundation:
-    """Every point deforms under its own pressure alone; zero for rigid faces.
-
-    Parameters
-    ----------
-    local : tuple of float
-        Approach over pressure of each interface. [m/Pa]
-    """
+    """Every point deforms under its own pressure alone; zero for rigid faces."""
 
     local: tuple[float, ...]
+    """Approach over pressure of each interface. [m/Pa]"""
 
     def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
         """Return none: all of the deformation is local. [m]."""
@@ -122,21 +117,6 @@ class MovingBearing(NamedTuple):
 class Stack:
     """Bearings, gears and films of a machine.
 
-    Parameters
-    ----------
-    balance : LateralBalance
-        The machine's data.
-    grids : tuple of FaceGrid
-        One per interface.
-    laws : tuple of FilmLaw
-        One per interface.
-    compliance : Compliance
-        Elastic approach.
-    shaft_speed : float
-        Shaft speed. [rad/s]
-    holding_spring : HoldingSpring, optional
-        Spring on the mean lift of the floating bearings; none in a machine.
-
     Notes
     -----
     Coordinates, three each (lift and rotations about x and y): floating bearing, gears, and the
@@ -149,11 +129,17 @@ class Stack:
     """
 
     balance: LateralBalance
+    """The machine's data."""
     grids: tuple[FaceGrid, ...]
+    """One per interface."""
     laws: tuple[FilmLaw, ...]
+    """One per interface."""
     compliance: Compliance
+    """Elastic approach."""
     shaft_speed: float
+    """Shaft speed. [rad/s]"""
     holding_spring: HoldingSpring | None = None
+    """Spring on the mean lift of the floating bearings; none in a machine."""
     moving_bearings: tuple[MovingBearing, ...] = field(init=False, repr=False)
     _maps: tuple[tuple[Array, Array], ...] = field(init=False, repr=False)
 

@@ -86,21 +86,18 @@ class PlaneSolution(FilmState):
         """Sum of the residuals of free cells over the through-flow. [-]."""
         b, net = self.balance, self.residuals
         free = b.mark != PRESCRIBED
+        u = self.fields.potential
+        through_edges = float(np.abs(b.conductance_y[:, -1] * (u[:, -1] - b.north)).sum())
+        if not b.ring:
+            through_edges += float(np.abs(b.conductance_x[0] * (u[0] - b.west)).sum())
         through = max(
             float(np.abs(net[~free]).sum()),
             float(np.abs(b.storage).sum()),
             float(np.abs(b.advection_x).sum(axis=1).max()),
             float(np.abs(b.advection_y).sum(axis=0).max()),
-            self._edge_flow(),
+            through_edges,
         )
         return self.relative_error(float(net[free].sum()), through)
-
-    def _edge_flow(self) -> float:
-        b, u = self.balance, self.fields.potential
-        flow = float(np.abs(b.conductance_y[:, -1] * (u[:, -1] - b.north)).sum())
-        if not b.ring:
-            flow += float(np.abs(b.conductance_x[0] * (u[0] - b.west)).sum())
-        return flow
 
     def cavitated_fraction(self) -> float:
         """Part of the free area that is at cavitation pressure. [-]."""

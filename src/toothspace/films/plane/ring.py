@@ -217,14 +217,10 @@ class LateralSolution(FaceSolution):
         :meth:`~toothspace.films.plane.film.PlaneSolution.rigid_coefficients`.
         """
         stiffness, damping = self.plane.rigid_coefficients()
-        return stiffness + self._contact_stiffness(), damping
-
-    def _contact_stiffness(self) -> Array:
-        """Part of the stiffness that asperities add. [N/m, N/rad, N m/rad]."""
         film = self.plane.film
-        softer = -self._contact()[1] * film.grid.area
-        lift = np.stack([np.ones_like(softer), film.points.y, -film.points.x])
-        return np.asarray(np.einsum("ikl,jkl,kl->ij", lift, lift, softer))
+        stiffer = -self._contact()[1] * film.grid.area
+        lift = np.stack([np.ones_like(stiffer), film.points.y, -film.points.x])
+        return stiffness + np.einsum("ikl,jkl,kl->ij", lift, lift, stiffer), damping
 
     @property
     def load(self) -> Array:

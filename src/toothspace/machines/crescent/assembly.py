@@ -43,30 +43,20 @@ POINTS_PER_TOOTH = 200
 @final
 @dataclass(frozen=True, kw_only=True)
 class CrescentAssembly(MeshedGears):
-    """Pinion and ring in mesh with the loaded flanks in contact.
-
-    Parameters
-    ----------
-    spec : CrescentParameters
-        Machine.
-    pinion : GearProfile
-        Profile of the pinion.
-    ring_curve : ndarray, shape (n, 2)
-        Teeth of the ring about its centre, a tooth on the y axis. [m]
-    materials : tuple of Material
-        Materials of pinion and ring.
-    grooves : ReliefGrooves or None
-        Relief grooves of the covers, None without.
-    pair : InternalPair or None
-        Involute pair where both gears are given by parameters.
-    """
+    """Pinion and ring in mesh with the loaded flanks in contact."""
 
     spec: CrescentParameters
+    """Machine."""
     pinion: GearProfile
+    """Profile of the pinion."""
     ring_curve: Array
+    """Teeth of the ring about its centre, a tooth on the y axis. Shape (n, 2). [m]"""
     materials: tuple[Material, Material]
+    """Materials of pinion and ring."""
     grooves: ReliefGrooves | None
+    """Relief grooves of the covers, None without."""
     pair: InternalPair | None
+    """Involute pair where both gears are given by parameters."""
 
     @property
     def ratio(self) -> float:

@@ -18,16 +18,11 @@ _FAR = 10.0
 @final
 @dataclass(frozen=True)
 class FillerEdges:
-    """Ends of the filler as one gear sees them, from the mesh side of the centre line.
-
-    Parameters
-    ----------
-    inlet, outlet : float
-        Angles about the centre of the gear. [rad]
-    """
+    """Ends of the filler as one gear sees them, from the mesh side of the centre line."""
 
     inlet: float
     outlet: float
+    """Angles about the centre of the gear. [rad]"""
 
     @property
     def span(self) -> float:

@@ -30,21 +30,14 @@ _DEEP_OVERLAP = 2e-5
 @final
 @dataclass(frozen=True, kw_only=True)
 class Assembly(meshing.MeshedGears):
-    """Two gears in mesh with the loaded flanks in contact.
-
-    Parameters
-    ----------
-    spec : ExternalGearSpec
-        Machine.
-    profiles : tuple of GearProfile
-        Drive and driven profile.
-    pair : GearPair or None
-        Involute pair where both gears are given by parameters.
-    """
+    """Two gears in mesh with the loaded flanks in contact."""
 
     spec: ExternalGearSpec
+    """Machine."""
     profiles: tuple[GearProfile, GearProfile]
+    """Drive and driven profile."""
     pair: GearPair | None
+    """Involute pair where both gears are given by parameters."""
 
     @property
     def involute_path(self) -> tuple[float, float] | None:

@@ -46,30 +46,20 @@ _BACKLASH = 0.04
 @final
 @dataclass(frozen=True)
 class _Surroundings:
-    """Parts round a pair of gears, None for those that were not found.
-
-    Parameters
-    ----------
-    toward : str or None
-        Direction in the files across the centre line, as in ``machine.outlet_toward``.
-    casing : PlainBody or None
-        Body with both bores.
-    clearance : float or None
-        Its bore radius less the tip radius. [m]
-    block : PlainBody or None
-        Body with a bearing bore on each gear axis beside the teeth.
-    journal : float or None
-        Diameter of those bores. [m]
-    grooved : bool
-        Whether recesses in its face reach the teeth.
-    """
+    """Parts round a pair of gears, None for those that were not found."""
 
     toward: str | None = None
+    """Direction in the files across the centre line, as in ``machine.outlet_toward``."""
     casing: PlainBody | None = None
+    """Body with both bores."""
     clearance: float | None = None
+    """Its bore radius less the tip radius. [m]"""
     block: PlainBody | None = None
+    """Body with a bearing bore on each gear axis beside the teeth."""
     journal: float | None = None
+    """Diameter of those bores. [m]"""
     grooved: bool = False
+    """Whether recesses in its face reach the teeth."""
 
 
 def draft_case(

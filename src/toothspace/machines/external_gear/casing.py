@@ -19,22 +19,15 @@ _SEALING_CLEARANCES = 3.0
 @final
 @dataclass(frozen=True)
 class Bore:
-    """Casing as one gear sees it.
-
-    Parameters
-    ----------
-    inlet_angle, outlet_angle : float
-        From the mesh side of the centre line to the port edge along the bore. [rad]
-    places : ndarray
-        Even places round the gear from the centre line in the sense of rotation, 0 to 2 pi. [rad]
-    clearance : ndarray
-        Distance from the tip circle to the bore at the places. [m]
-    """
+    """Casing as one gear sees it."""
 
     inlet_angle: float
     outlet_angle: float
+    """From the mesh side of the centre line to the port edge along the bore. [rad]"""
     places: Array
+    """Even places round the gear from the centre line in the sense of rotation, 0 to 2 pi. [rad]"""
     clearance: Array
+    """Distance from the tip circle to the bore at the places. [m]"""
 
     def clearance_at(self, places: Array) -> Array:
         """Clearance at places of any turn. [m]."""

@@ -57,24 +57,16 @@ class _BlockPart(NamedTuple):
 @final
 @dataclass(frozen=True)
 class ElasticAssembly:
-    """Bearings and gears of a machine with a floating bearing.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    high_pressure : Geometry
-        Part of the back face at high pressure. [m]
-    faces : tuple of FaceOfGear
-        Chambers round both gears.
-    size : MeshSize
-        Fineness of all bodies.
-    """
+    """Bearings and gears of a machine with a floating bearing."""
 
     assembly: Assembly
+    """Gears in mesh."""
     high_pressure: shapely.Geometry
+    """Part of the back face at high pressure. [m]"""
     faces: tuple[FaceOfGear, FaceOfGear]
+    """Chambers round both gears."""
     size: MeshSize = COARSE
+    """Fineness of all bodies."""
 
     def __call__(self) -> Mapping[str, ElasticBody]:
         """Bearings ``floating`` and ``solid`` or their halves, and the gears by name.

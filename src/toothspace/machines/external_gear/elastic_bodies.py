@@ -42,44 +42,32 @@ _INSIDE = 1.0 - 1e-6
 @final
 @dataclass(frozen=True)
 class MeshSize:
-    """Fineness of an elastic body, over the tip radius of the drive gear.
-
-    Parameters
-    ----------
-    edge_length : float
-        Edge of the plane triangles; quadrilaterals are about 0.4 of it. [-]
-    layer_height : float
-        Largest height of a layer. [-]
-    node_spacing : float
-        Distance of the nodes of the film surface. [-]
-    """
+    """Fineness of an elastic body, over the tip radius of the drive gear."""
 
     edge_length: float = 0.085
+    """Edge of the plane triangles; quadrilaterals are about 0.4 of it. [-]"""
     layer_height: float = 0.08
+    """Largest height of a layer. [-]"""
     node_spacing: float = 0.085
+    """Distance of the nodes of the film surface. [-]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class BackLoads:
-    """What presses on the back of a bearing or plate.
-
-    Parameters
-    ----------
-    areas : mapping of str to Polygon
-        Regions of the back face in the machine frame, by the name of their pressure. [m]
-    points : mapping of str to tuple of float
-        Places x, y of springs by name; one over a bore rests on its rim. [m]
-    lines : mapping of str to LineString
-        Lines on which seals press, by name; the load is one newton in all. [m]
-    patches : mapping of str to Polygon
-        Regions that carry one newton in all, by name. [m]
-    """
+    """What presses on the back of a bearing or plate."""
 
     areas: Mapping[str, shapely.Geometry] = field(default_factory=dict)
+    """Regions of the back face in the machine frame, by the name of their pressure. Polygons by
+    name. [m]
+    """
     points: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Places x, y of springs by name; one over a bore rests on its rim. [m]"""
     lines: Mapping[str, shapely.Geometry] = field(default_factory=dict)
+    """Lines on which seals press, by name; the load is one newton in all. Line strings by name. [m]
+    """
     patches: Mapping[str, shapely.Geometry] = field(default_factory=dict)
+    """Regions that carry one newton in all, by name. Polygons by name. [m]"""
 
 
 def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> ElasticBody:

@@ -97,21 +97,14 @@ def _surfaces(face: FaceOfGear) -> FaceSurfaces | None:
 @final
 @dataclass(frozen=True, eq=False)
 class FaceOfGear:
-    """Faces of one gear against the bearings, in the machine frame.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    numbering : Numbering
-        Nodes of the tooth spaces.
-    gear : int
-        0 for the drive gear, 1 for the driven gear.
-    """
+    """Faces of one gear against the bearings, in the machine frame."""
 
     assembly: Assembly
+    """Gears in mesh."""
     numbering: Numbering
+    """Nodes of the tooth spaces."""
     gear: int
+    """0 for the drive gear, 1 for the driven gear."""
     sections: tuple[GearSection, GearSection] = field(init=False, repr=False)
     spaces: ChamberRing = field(init=False, repr=False)
     recesses: tuple[tuple[int, Array], ...] = field(init=False, repr=False)

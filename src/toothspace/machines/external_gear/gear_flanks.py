@@ -92,15 +92,10 @@ def _shares(profile: GearProfile, radius: Array) -> Array:
 @final
 @dataclass(frozen=True)
 class GearFlanks:
-    """Pressures and contacts on the flanks of a gear over the shaft angle.
-
-    Parameters
-    ----------
-    face : FaceOfGear
-        Chambers round the gear.
-    """
+    """Pressures and contacts on the flanks of a gear over the shaft angle."""
 
     face: FaceOfGear
+    """Chambers round the gear."""
 
     @property
     def _profile(self) -> GearProfile:

@@ -32,21 +32,14 @@ _ROTATION = 4
 @final
 @dataclass(frozen=True)
 class _Flanks:
-    """Deviations of a gear's teeth over the radius.
-
-    Parameters
-    ----------
-    radius : ndarray, shape (n,)
-        From root to tip. [m]
-    height : ndarray, shape (2, tooth_count, n)
-        Deviation of the left and the right flanks. [m]
-    section : ndarray, shape (2, tooth_count, n)
-        Section of the deviation between root and radius. [m2]
-    """
+    """Deviations of a gear's teeth over the radius."""
 
     radius: Array
+    """From root to tip. Shape (n,). [m]"""
     height: Array
+    """Deviation of the left and the right flanks. Shape (2, tooth_count, n). [m]"""
     section: Array
+    """Section of the deviation between root and radius. Shape (2, tooth_count, n). [m2]"""
 
     def at(self, side: int, tooth: int, radius: Array) -> Array:
         """Deviation at radii. [m]."""
@@ -64,24 +57,21 @@ class _Flanks:
 @final
 @dataclass(frozen=True)
 class OwnTeeth:
-    """What differs from tooth to tooth, over the table angles of spaces and throats.
-
-    Parameters
-    ----------
-    turn : ndarray, shape (nodes,)
-        Turn of the driven gear ahead of its even motion, over the shaft angle. [rad]
-    gaps : tuple of ndarray, shape (tooth_count, nodes)
-        Gap of every left and every right throat. [m]
-    areas : tuple of ndarray, shape (tooth_count, nodes)
-        Section of every drive and every driven space less that of even teeth. [m2]
-    tips : tuple of ndarray, shape (tooth_count,)
-        Height of the tip behind every space above the tip circle, of both gears. [m]
-    """
+    """What differs from tooth to tooth, over the table angles of spaces and throats."""
 
     turn: Array
+    """Turn of the driven gear ahead of its even motion, over the shaft angle. Shape (nodes,). [rad]
+    """
     gaps: tuple[Array, Array]
+    """Gap of every left and every right throat. Shape (tooth_count, nodes). [m]"""
     areas: tuple[Array, Array]
+    """Section of every drive and every driven space less that of even teeth. Shape (tooth_count,
+    nodes). [m2]
+    """
     tips: tuple[Array, Array]
+    """Height of the tip behind every space above the tip circle, of both gears. Shape
+    (tooth_count,). [m]
+    """
 
     def family(self, family: ChamberFamily, gear: int, width: float) -> ChamberFamily:
         """Chambers of a gear of a width [m], each with its own volume."""

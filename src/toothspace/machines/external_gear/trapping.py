@@ -59,18 +59,12 @@ _ADVICE = {
 @final
 @dataclass(frozen=True)
 class Way:
-    """Openings of one kind; arrays over angles and spaces.
-
-    Parameters
-    ----------
-    area : ndarray
-        Discharge coefficient times area. [m2]
-    conductance : ndarray
-        Flow rate per pressure drop in creeping flow. [m3/(s Pa)]
-    """
+    """Openings of one kind; arrays over angles and spaces."""
 
     area: Array
+    """Discharge coefficient times area. [m2]"""
     conductance: Array
+    """Flow rate per pressure drop in creeping flow. [m3/(s Pa)]"""
 
     def secant(self, drop: Array) -> Array:
         """Flow rate over a pressure drop. [m3/(s Pa)]."""
@@ -83,42 +77,28 @@ class Way:
 @final
 @dataclass(frozen=True)
 class MeshChain:
-    """Spaces in the mesh over one pitch, drive and driven ones in turn; shape (angles, spaces).
-
-    Parameters
-    ----------
-    growth : ndarray
-        Change of volume with the shaft angle. [m3/rad]
-    to_inlet, to_outlet : Way
-        Openings of the bore and grooves of both faces to either port.
-    throat : Way
-        Throats to the next space, shape (angles, spaces - 1).
-    """
+    """Spaces in the mesh over one pitch, drive and driven ones in turn; shape (angles, spaces)."""
 
     growth: Array
+    """Change of volume with the shaft angle. [m3/rad]"""
     to_inlet: Way
     to_outlet: Way
+    """Openings of the bore and grooves of both faces to either port."""
     throat: Way
+    """Throats to the next space, shape (angles, spaces - 1)."""
 
 
 @final
 @dataclass(frozen=True)
 class Trapping:
-    """What the mesh does to the fluid that it encloses, at one pressure and speed.
-
-    Parameters
-    ----------
-    peak_pressure : float
-        Highest pressure of a space in the mesh. [Pa]
-    exchange_drop : float
-        Largest pressure drop in a throat that alone takes what a space displaces. [Pa]
-    short_circuit : float
-        Mean flow from high to low pressure through joined openings over the ideal flow. [-]
-    """
+    """What the mesh does to the fluid that it encloses, at one pressure and speed."""
 
     peak_pressure: float
+    """Highest pressure of a space in the mesh. [Pa]"""
     exchange_drop: float
+    """Largest pressure drop in a throat that alone takes what a space displaces. [Pa]"""
     short_circuit: float
+    """Mean flow from high to low pressure through joined openings over the ideal flow. [-]"""
 
 
 def mesh_chain(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> MeshChain:

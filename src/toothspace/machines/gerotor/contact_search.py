@@ -26,42 +26,28 @@ _FARTHEST, _SEARCHED = 0.24, 0.32
 @final
 @dataclass(frozen=True)
 class ClosestPoints:
-    """Places where the outlines come closest, one row each.
-
-    Parameters
-    ----------
-    node : ndarray of int
-        Number of the angle.
-    outer, inner : ndarray
-        Arc lengths on the outlines. [m]
-    gap : ndarray
-        Distance, negative where they overlap. [m]
-    """
+    """Places where the outlines come closest, one row each."""
 
     node: IntArray
+    """Number of the angle."""
     outer: Array
     inner: Array
+    """Arc lengths on the outlines. [m]"""
     gap: Array
+    """Distance, negative where they overlap. [m]"""
 
 
 @final
 @dataclass(frozen=True)
 class Branch:
-    """One closest place over the nodes at which it exists.
-
-    Parameters
-    ----------
-    first : int
-        Node at which it begins, counted from the start of a pitch.
-    rows : ndarray of int
-        Row of :class:`ClosestPoints` at each following node; -1 where it is lost for a moment.
-    closed : bool
-        It never ends; the last node leads to the first.
-    """
+    """One closest place over the nodes at which it exists."""
 
     first: int
+    """Node at which it begins, counted from the start of a pitch."""
     rows: IntArray
+    """Row of :class:`ClosestPoints` at each following node; -1 where it is lost for a moment."""
     closed: bool
+    """It never ends; the last node leads to the first."""
 
 
 def distance_to_inner(rotors: Rotors, angle: Array, place: Array) -> tuple[Array, Array]:

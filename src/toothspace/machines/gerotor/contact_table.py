@@ -51,42 +51,29 @@ COLUMNS = (
 @final
 @dataclass(frozen=True)
 class LobeContact:
-    """One kind of contact over the outer rotor's angle; its copies follow one pitch apart.
-
-    Parameters
-    ----------
-    copies : int
-        Contacts of this kind; the period of the table is as many pitches.
-    pitch : float
-        Angle of one tooth of the outer rotor. [rad]
-    near : ndarray of bool
-        Whether the contact exists at a node.
-    gap, gap_rate : ndarray
-        Gap of the rotors at nominal position and its derivative. [m], [m/rad]
-    normal : ndarray, shape (nodes, 2)
-        Unit normal from the inner to the outer rotor. [-]
-    inner_point, outer_point : ndarray, shape (nodes, 2)
-        Closest points from the outer rotor's centre, not turning. [m]
-    radius_inner, radius_outer : ndarray
-        Radii of curvature, concave negative. [m]
-    sliding : ndarray
-        Speed of the outer over the inner surface along the normal turned by +90 deg. [m/rad]
-    rolling_sum : ndarray
-        Sum of both surface speeds relative to the contact point. [m/rad]
-    """
+    """One kind of contact over the outer rotor's angle; its copies follow one pitch apart."""
 
     copies: int
+    """Contacts of this kind; the period of the table is as many pitches."""
     pitch: float
+    """Angle of one tooth of the outer rotor. [rad]"""
     near: BoolArray
+    """Whether the contact exists at a node."""
     gap: Array
     gap_rate: Array
+    """Gap of the rotors at nominal position and its derivative. [m], [m/rad]"""
     normal: Array
+    """Unit normal from the inner to the outer rotor. Shape (nodes, 2). [-]"""
     inner_point: Array
     outer_point: Array
+    """Closest points from the outer rotor's centre, not turning. Shape (nodes, 2). [m]"""
     radius_inner: Array
     radius_outer: Array
+    """Radii of curvature, concave negative. [m]"""
     sliding: Array
+    """Speed of the outer over the inner surface along the normal turned by +90 deg. [m/rad]"""
     rolling_sum: Array
+    """Sum of both surface speeds relative to the contact point. [m/rad]"""
 
     @property
     def period(self) -> float:

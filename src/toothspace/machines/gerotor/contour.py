@@ -19,21 +19,14 @@ _CURVATURE_REACH = 60e-6
 @final
 @dataclass(frozen=True)
 class Contour:
-    """Closed outline, counter-clockwise, with the search for its nearest point.
-
-    Parameters
-    ----------
-    length : float
-        Length of the whole outline. [m]
-    spline : CubicSpline
-        Points over the arc length. [m]
-    tree : cKDTree
-        Search tree of points at equal steps of arc length.
-    """
+    """Closed outline, counter-clockwise, with the search for its nearest point."""
 
     length: float
+    """Length of the whole outline. [m]"""
     spline: Any
+    """Points over the arc length. A ``CubicSpline``. [m]"""
     tree: Any
+    """Search tree of points at equal steps of arc length. A ``cKDTree``."""
 
     def point(self, place: Array) -> Array:
         """Points at arc lengths, shape ``place.shape + (2,)``. [m]."""

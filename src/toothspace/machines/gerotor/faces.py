@@ -39,21 +39,14 @@ _LEAST_RADIUS = 0.1
 @final
 @dataclass(frozen=True, eq=False)
 class CoverMap:
-    """Nodes and rotors before one cover.
-
-    Parameters
-    ----------
-    pocket : Pockets
-        Pockets over their place.
-    shaft_radius : float
-        Radius at which the land of the inner rotor ends. [m]
-    recesses : tuple of (int, ndarray)
-        Kidneys of this cover: node and outline. [m]
-    """
+    """Nodes and rotors before one cover."""
 
     pocket: Pockets
+    """Pockets over their place."""
     shaft_radius: float
+    """Radius at which the land of the inner rotor ends. [m]"""
     recesses: tuple[tuple[int, Array], ...]
+    """Kidneys of this cover: node and outline. [m]"""
     _throats: tuple[Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -27,28 +27,19 @@ _MISS_WEIGHT = 0.02
 @final
 @dataclass(frozen=True)
 class LobePath:
-    """The throat between one lobe and the inner rotor, over the lobe's place.
-
-    Parameters
-    ----------
-    place : ndarray, shape (n,)
-        Place of the lobe. [rad]
-    point : ndarray, shape (n, 2)
-        Middle of the throat in the machine frame. [m]
-    normal : ndarray, shape (n, 2)
-        Unit normal from the inner to the outer rotor. [-]
-    gap : ndarray
-        Length of the throat. [m]
-    inner_curvature, outer_curvature : ndarray
-        Curvatures of the walls, positive where convex. [1/m]
-    """
+    """The throat between one lobe and the inner rotor, over the lobe's place."""
 
     place: Array
+    """Place of the lobe. Shape (n,). [rad]"""
     point: Array
+    """Middle of the throat in the machine frame. Shape (n, 2). [m]"""
     normal: Array
+    """Unit normal from the inner to the outer rotor. Shape (n, 2). [-]"""
     gap: Array
+    """Length of the throat. [m]"""
     inner_curvature: Array
     outer_curvature: Array
+    """Curvatures of the walls, positive where convex. [1/m]"""
 
     @property
     def relative_radius(self) -> Array:

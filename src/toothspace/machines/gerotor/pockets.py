@@ -35,24 +35,16 @@ _OVERLAP_LIMIT = 50e-6
 @final
 @dataclass(frozen=True)
 class Pockets:
-    """Pockets of a gerotor set over their place (see ``lobe_path``).
-
-    Parameters
-    ----------
-    rotors : Rotors
-        Both rotors.
-    path : LobePath
-        Throats at the table nodes; an even number of nodes on an outer pitch.
-    area : ndarray
-        Section area of a pocket at the nodes. [m2]
-    area_rate : ndarray
-        Derivative of the area with respect to the shaft angle. [m2/rad]
-    """
+    """Pockets of a gerotor set over their place (see ``lobe_path``)."""
 
     rotors: Rotors
+    """Both rotors."""
     path: LobePath
+    """Throats at the table nodes; an even number of nodes on an outer pitch."""
     area: Array
+    """Section area of a pocket at the nodes. [m2]"""
     area_rate: Array
+    """Derivative of the area with respect to the shaft angle. [m2/rad]"""
 
     @property
     def place(self) -> Array:

@@ -22,23 +22,17 @@ _LEAST_AREA = 1e-12
 @final
 @dataclass(frozen=True)
 class Ports:
-    """Kidneys about the outer rotor's centre, mirrored on the line of centres.
-
-    Parameters
-    ----------
-    land_max_half_angle, land_min_half_angle : float
-        Half of the lands at the largest and smallest pocket. [rad]
-    slot : tuple of float
-        Half angle of the radial slot of a cavity [rad], its width and length; zeros without. [m]
-    contours : mapping of name to ndarray
-        Closed polygons ``inlet`` and ``outlet`` in the machine frame, the inlet on the side
-        where the pockets grow (positive x). [m]
-    """
+    """Kidneys about the outer rotor's centre, mirrored on the line of centres."""
 
     land_max_half_angle: float
     land_min_half_angle: float
+    """Half of the lands at the largest and smallest pocket. [rad]"""
     contours: dict[str, Array]
+    """Closed polygons ``inlet`` and ``outlet`` in the machine frame, the inlet on the side where
+    the pockets grow (positive x). By name. [m]
+    """
     slot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Half angle of the radial slot of a cavity [rad], its width and length; zeros without. [m]"""
 
 
 def throat_place(pocket: Pockets) -> Array:
@@ -183,18 +177,12 @@ def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
 @final
 @dataclass(frozen=True)
 class PocketOutlines:
-    """Outlines of all chambers of a gerotor set over the shaft angle.
-
-    Parameters
-    ----------
-    pocket : Pockets
-        Pockets of the set.
-    film : ndarray, shape (n, 2)
-        Outline of the film round the outer rotor. [m]
-    """
+    """Outlines of all chambers of a gerotor set over the shaft angle."""
 
     pocket: Pockets
+    """Pockets of the set."""
     film: Array
+    """Outline of the film round the outer rotor. Shape (n, 2). [m]"""
 
     def __call__(self, shaft_angle: float) -> list[Array]:
         """Outlines at a shaft angle [rad], pockets, then the film. [m]."""

@@ -39,26 +39,19 @@ _LEAST_OF_RIM = 0.5
 @final
 @dataclass(frozen=True)
 class Rotors:
-    """Section of a gerotor set.
-
-    Parameters
-    ----------
-    inner, outer : ndarray, shape (n, 2)
-        Closed counter-clockwise outlines, first point not repeated: the inner rotor, and the
-        inside of the outer rotor, each about its own centre at shaft angle zero. [m]
-    inner_tooth_count : int
-        Teeth of the inner rotor; the outer one has one more.
-    eccentricity : float
-        Distance of the centres. [m]
-    tip_clearance : float
-        Normal gap of every lobe pair of the centred rotors. [m]
-    """
+    """Section of a gerotor set."""
 
     inner: Array
     outer: Array
+    """Closed counter-clockwise outlines, first point not repeated: the inner rotor, and the inside
+    of the outer rotor, each about its own centre at shaft angle zero. Shape (n, 2). [m]
+    """
     inner_tooth_count: int
+    """Teeth of the inner rotor; the outer one has one more."""
     eccentricity: float
+    """Distance of the centres. [m]"""
     tip_clearance: float
+    """Normal gap of every lobe pair of the centred rotors. [m]"""
 
     @property
     def outer_tooth_count(self) -> int:

@@ -28,30 +28,20 @@ _LEAST_DISTANCE = 10e-6
 @final
 @dataclass(frozen=True)
 class DrawnRotor:
-    """Toothed curve of a rotor as it was drawn.
-
-    Parameters
-    ----------
-    file : Path or Points
-        Where it was found.
-    curve : ndarray, shape (n, 2)
-        Closed counter-clockwise curve in the frame of its section. [m]
-    tooth_count : int
-        Teeth or lobes.
-    axis : ndarray, shape (3,)
-        Unit vector along the rotor axis.
-    face_width : float or None
-        Length of the teeth; None in files of plane curves. [m]
-    other_curves : tuple of ndarray
-        Bore or rim of its body, none in files of plane curves. [m]
-    """
+    """Toothed curve of a rotor as it was drawn."""
 
     file: Path | Points
+    """Where it was found."""
     curve: Array
+    """Closed counter-clockwise curve in the frame of its section. Shape (n, 2). [m]"""
     tooth_count: int
+    """Teeth or lobes."""
     axis: Array
+    """Unit vector along the rotor axis. Shape (3,)."""
     face_width: float | None
+    """Length of the teeth; None in files of plane curves. [m]"""
     other_curves: tuple[Array, ...]
+    """Bore or rim of its body, none in files of plane curves. [m]"""
 
     @property
     def center(self) -> Array:

@@ -17,16 +17,11 @@ _CLOSED_AREA = 0.02e-6
 @final
 @dataclass(frozen=True)
 class Timing:
-    """Openings of a pocket over its place.
-
-    Parameters
-    ----------
-    inlet, outlet : ndarray, shape (n, 2)
-        Area [m2] and hydraulic diameter [m] of the opening to each port.
-    """
+    """Openings of a pocket over its place."""
 
     inlet: Array
     outlet: Array
+    """Area [m2] and hydraulic diameter [m] of the opening to each port. Shape (n, 2)."""
 
     @property
     def joined_area(self) -> float:

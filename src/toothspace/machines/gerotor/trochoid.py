@@ -26,24 +26,16 @@ _LEAST_LOBE = 1.05
 @final
 @dataclass(frozen=True)
 class Trochoid:
-    """Generating data of a trochoidal set.
-
-    Parameters
-    ----------
-    tooth_count : int
-        Teeth of the inner rotor.
-    eccentricity : float
-        Distance of the centres. [m]
-    generating_radius : float
-        Radius of the lobe centres. [m]
-    lobe_radius : float
-        Radius of the outer rotor's lobes, without clearance. [m]
-    """
+    """Generating data of a trochoidal set."""
 
     tooth_count: int
+    """Teeth of the inner rotor."""
     eccentricity: float
+    """Distance of the centres. [m]"""
     generating_radius: float
+    """Radius of the lobe centres. [m]"""
     lobe_radius: float
+    """Radius of the outer rotor's lobes, without clearance. [m]"""
 
     @property
     def lobe_count(self) -> int:

@@ -54,25 +54,18 @@ _RESTLESS = (
 @final
 @dataclass(frozen=True, eq=False)
 class BodiesBetweenCovers:
-    """Bodies over one pitch, and their films.
-
-    Parameters
-    ----------
-    planes : tuple of ndarray, shape (angles, bodies, 3)
-        For every cover the height of the film of every body at its axis [m] and the rotations of
-        that plane about x and y. [rad]
-    places : FacePlaces
-        The same as places of the bodies.
-    asperity_torque : mapping of str to float
-        Mean torque of touching asperities on every body. [N m]
-    last : StackState
-        Films at the end of the pitch.
-    """
+    """Bodies over one pitch, and their films."""
 
     planes: tuple[Array, ...]
+    """For every cover the height of the film of every body at its axis [m] and the rotations of
+    that plane about x and y. Shape (angles, bodies, 3). [rad]
+    """
     places: FacePlaces
+    """The same as places of the bodies."""
     asperity_torque: Mapping[str, float]
+    """Mean torque of touching asperities on every body. [N m]"""
     last: StackState
+    """Films at the end of the pitch."""
 
 
 def cover_stack(

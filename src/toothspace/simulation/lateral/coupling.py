@@ -45,51 +45,35 @@ _STEEP = 2.0
 @final
 @dataclass(frozen=True, kw_only=True)
 class PointRequest:
-    """What is asked of one operating point.
-
-    Parameters
-    ----------
-    settings : LateralSettings
-        Grids and laws of the films.
-    start : ndarray or float
-        Positions and rotations of all bodies, or a gap everywhere, to begin with. [m, rad]
-    nose_pressure : float or None
-        Absolute pressure on the nose; None: the low pressure. [Pa]
-    rounds : int
-        Most lumped runs at this point; one leaves the paths of the network as they are.
-    """
+    """What is asked of one operating point."""
 
     settings: LateralSettings
+    """Grids and laws of the films."""
     start: Array | float
+    """Positions and rotations of all bodies, or a gap everywhere, to begin with. [m, rad]"""
     nose_pressure: float | None = None
+    """Absolute pressure on the nose; None: the low pressure. [Pa]"""
     rounds: int = 12
+    """Most lumped runs at this point; one leaves the paths of the network as they are."""
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CoupledPoint(SettledBearing):
-    """Bearing in equilibrium between films that agree with the chambers.
-
-    Parameters
-    ----------
-    solution : Solution
-        Last lumped solution.
-    description : MachineDescription
-        The machine with the lateral gaps that were found.
-    leakage_mismatch : float
-        Leakage of films less that of the lumped paths, over the displaced flow. [-]
-    torque_mismatch : float
-        Torque of films less that of the lumped faces, over that of the displaced volume. [-]
-    agreed : bool
-        Whether films and paths were brought to agree, or were not meant to be, and temperatures
-        with the power dissipated.
-    """
+    """Bearing in equilibrium between films that agree with the chambers."""
 
     solution: Solution
+    """Last lumped solution."""
     description: MachineDescription
+    """The machine with the lateral gaps that were found."""
     leakage_mismatch: float
+    """Leakage of films less that of the lumped paths, over the displaced flow. [-]"""
     torque_mismatch: float = 0.0
+    """Torque of films less that of the lumped faces, over that of the displaced volume. [-]"""
     agreed: bool = True
+    """Whether films and paths were brought to agree, or were not meant to be, and temperatures with
+    the power dissipated.
+    """
 
     @property
     def temperature_rise(self) -> float | None:

@@ -21,31 +21,22 @@ _RELAXATION = 0.7
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SettledBearing:
-    """Bearing in equilibrium between films.
-
-    Parameters
-    ----------
-    problem : LateralProblem
-        Films and loads, with the viscosity of the films' temperatures.
-    equilibrium : Equilibrium
-        Equilibrium of bearing and gears.
-    numbers : LateralNumbers
-        Mean numbers of the films.
-    temperatures : ndarray or None
-        Mean temperature of every film; None at the temperature of the fluid. [K]
-    warm : bool
-        Whether temperatures agree with the power dissipated, within what the fluid is known for.
-    excess : float
-        Force on the holding spring over that behind the bearing: positive if the films push the
-        bearing off. [-]
-    """
+    """Bearing in equilibrium between films."""
 
     problem: LateralProblem
+    """Films and loads, with the viscosity of the films' temperatures."""
     equilibrium: Equilibrium
+    """Equilibrium of bearing and gears."""
     numbers: LateralNumbers
+    """Mean numbers of the films."""
     temperatures: Array | None = None
+    """Mean temperature of every film; None at the temperature of the fluid. [K]"""
     warm: bool = True
+    """Whether temperatures agree with the power dissipated, within what the fluid is known for."""
     excess: float = 0.0
+    """Force on the holding spring over that behind the bearing: positive if the films push the
+    bearing off. [-]
+    """
 
     @property
     def balance(self) -> Balance:

@@ -32,33 +32,22 @@ _LEAST_STEP = 0.5
 @final
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A lumped run whose lateral paths leak by a factor more.
-
-    Parameters
-    ----------
-    log_leakage_factor : float
-        Logarithm of the factor. [-]
-    leakage : float
-        Leakage of the lateral paths. [m3/s]
-    problem : LateralProblem
-        Films at its pressures.
-    position : ndarray
-        Where bearings and gears were found. [m, rad]
-    excess : float
-        Positive if the bearing lifts further than the leakage of the paths fits.
-    sense : int
-        Sense in which the bearing has moved: 1 away from the gears.
-    held : SettledBearing or None
-        Bearing held at the opening that leaks as the paths do, once it is known.
-    """
+    """A lumped run whose lateral paths leak by a factor more."""
 
     log_leakage_factor: float
+    """Logarithm of the factor. [-]"""
     leakage: float
+    """Leakage of the lateral paths. [m3/s]"""
     problem: LateralProblem
+    """Films at its pressures."""
     position: Array
+    """Where bearings and gears were found. [m, rad]"""
     excess: float
+    """Positive if the bearing lifts further than the leakage of the paths fits."""
     sense: int
+    """Sense in which the bearing has moved: 1 away from the gears."""
     held: SettledBearing | None = None
+    """Bearing held at the opening that leaks as the paths do, once it is known."""
 
 
 Settle = Callable[[LateralProblem, Balance, Array | None], SettledBearing]

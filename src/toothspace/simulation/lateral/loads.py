@@ -29,28 +29,20 @@ _COMPONENTS = {"journal_x": 0, "journal_y": 1}
 @final
 @dataclass(frozen=True, eq=False)
 class BodyLoads:
-    """Named loads of elastic bodies by snapshot, above the low pressure.
-
-    Parameters
-    ----------
-    loads : callable
-        What the loads follow at a shaft angle; those of one name add up.
-    back : BackPressure
-        Pressures behind the bearing.
-    journal_force : callable
-        Forces of the journal bearings on the turning bodies at a shaft angle, in the machine
-        frame, shape (bodies, 2). [N]
-    contact_force : callable
-        Forces of all contacts between turning bodies at a shaft angle. [N]
-    frames : mapping of str to tuple of float
-        Angle [rad] at shaft angle zero and speed ratio of the frames that turn, by body.
-    """
+    """Named loads of elastic bodies by snapshot, above the low pressure."""
 
     loads: Callable[[float], tuple[BodyLoad, ...]]
+    """What the loads follow at a shaft angle; those of one name add up."""
     back: BackPressure
+    """Pressures behind the bearing."""
     journal_force: Callable[[float], Array]
+    """Forces of the journal bearings on the turning bodies at a shaft angle, in the machine frame,
+    shape (bodies, 2). [N]
+    """
     contact_force: Callable[[float], Array]
+    """Forces of all contacts between turning bodies at a shaft angle. [N]"""
     frames: Mapping[str, tuple[float, float]]
+    """Angle [rad] at shaft angle zero and speed ratio of the frames that turn, by body."""
 
     def __call__(self, snapshot: Snapshot) -> dict[str, dict[str, float]]:
         """Sizes of the loads by body and name. [Pa] or [N]."""

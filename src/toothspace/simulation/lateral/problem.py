@@ -70,56 +70,37 @@ _MEMORY = 2
 @final
 @dataclass(frozen=True, kw_only=True)
 class LateralSettings:
-    """Grids and laws of the lateral films.
-
-    Parameters
-    ----------
-    grid : tuple of int
-        Cells of each film round the circumference and along the radius. [-]
-    angles : int
-        Shaft angles of one tooth pitch over which forces are averaged. [-]
-    deformation : {"winkler", "bodies", "none"}
-        How faces deform.
-    cavitation : str
-        Cavitation model of the films.
-    heating : FilmHeating or None
-        How the films warm up; None: at the temperature of the fluid.
-    dwell : float
-        Longest time at one operating point; the smooth friction law creeps that long. [s]
-    """
+    """Grids and laws of the lateral films."""
 
     grid: tuple[int, int] = (126, 18)
+    """Cells of each film round the circumference and along the radius. [-]"""
     angles: int = 2
+    """Shaft angles of one tooth pitch over which forces are averaged. [-]"""
     deformation: str = "winkler"
+    """How faces deform. One of ``winkler``, ``bodies``, ``none``."""
     cavitation: str = "jfo"
+    """Cavitation model of the films."""
     heating: FilmHeating | None = None
+    """How the films warm up; None: at the temperature of the fluid."""
     dwell: float = 1e3
+    """Longest time at one operating point; the smooth friction law creeps that long. [s]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class LateralProblem:
-    """One operating point of the lateral gaps.
-
-    Parameters
-    ----------
-    stack : Stack
-        Bodies and films.
-    snapshots : tuple of Snapshot
-        Shaft angles over which forces are averaged.
-    loads : Loads
-        Pressures behind the bearing and friction in the housing.
-    node_pressure : callable
-        Pressures of all nodes at a shaft angle. [Pa]
-    settings : LateralSettings
-        Grids and laws.
-    """
+    """One operating point of the lateral gaps."""
 
     stack: Stack
+    """Bodies and films."""
     snapshots: tuple[Snapshot, ...]
+    """Shaft angles over which forces are averaged."""
     loads: Loads
+    """Pressures behind the bearing and friction in the housing."""
     node_pressure: Callable[[float], Array]
+    """Pressures of all nodes at a shaft angle. [Pa]"""
     settings: LateralSettings
+    """Grids and laws."""
 
     def started(self, gap: float) -> Balance:
         """State without motion with one gap everywhere. [m]."""
@@ -184,60 +165,43 @@ class LateralProblem:
 @final
 @dataclass(frozen=True)
 class LateralNumbers:
-    """Numbers of lateral films in one state, all sides together.
-
-    Parameters
-    ----------
-    position : float
-        Position of the floating bearing at its gauge point, away from the gears. [m]
-    gaps : ndarray
-        Mean gap of every film. [m]
-    smallest_gap : float
-        Smallest gap. [m]
-    leakage : float
-        Flow from high to low pressure that would lose the same power. [m3/s]
-    bore_flow : float
-        Flow into the shaft bores. [m3/s]
-    viscous_torque, asperity_torque : float
-        Friction at the shaft. [N m]
-    contact_force : float
-        Load that asperities carry. [N]
-    real_contact_area : float
-        Area of touching asperities by ``toothspace.closures.contact_rough``. [m2]
-    contact_share : float
-        Part of the film area with asperity pressure above 1e-4 of the hardness. [-]
-    wear_power : float
-        Largest asperity pressure times sliding speed. [W/m2]
-    friction_force : float
-        Friction of the housing on the floating bearing. [N]
-    seat_force : float
-        Force that holds the solid bearing on its cover, negative if it lifts off; with two
-        floating bearings not a number. [N]
-    seat_margin : float
-        How far inside its rim the solid bearing is pressed on its cover, negative if it tips;
-        with two floating bearings not a number. [m]
-    positions : ndarray
-        Positions of all floating bearings or their parts, along z. [m]
-    tilt : float
-        Largest tilt of a floating bearing or part. [rad]
-    """
+    """Numbers of lateral films in one state, all sides together."""
 
     position: float
+    """Position of the floating bearing at its gauge point, away from the gears. [m]"""
     gaps: Array
+    """Mean gap of every film. [m]"""
     smallest_gap: float
+    """Smallest gap. [m]"""
     leakage: float
+    """Flow from high to low pressure that would lose the same power. [m3/s]"""
     bore_flow: float
+    """Flow into the shaft bores. [m3/s]"""
     viscous_torque: float
     asperity_torque: float
+    """Friction at the shaft. [N m]"""
     contact_force: float
+    """Load that asperities carry. [N]"""
     real_contact_area: float
+    """Area of touching asperities by ``toothspace.closures.contact_rough``. [m2]"""
     contact_share: float
+    """Part of the film area with asperity pressure above 1e-4 of the hardness. [-]"""
     wear_power: float
+    """Largest asperity pressure times sliding speed. [W/m2]"""
     friction_force: float
+    """Friction of the housing on the floating bearing. [N]"""
     seat_force: float
+    """Force that holds the solid bearing on its cover, negative if it lifts off; with two floating
+    bearings not a number. [N]
+    """
     seat_margin: float
+    """How far inside its rim the solid bearing is pressed on its cover, negative if it tips; with
+    two floating bearings not a number. [m]
+    """
     positions: Array
+    """Positions of all floating bearings or their parts, along z. [m]"""
     tilt: float
+    """Largest tilt of a floating bearing or part. [rad]"""
 
 
 def lateral_problem(

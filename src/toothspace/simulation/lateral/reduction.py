@@ -61,24 +61,16 @@ _START_GAP = 5e-6
 @final
 @dataclass(frozen=True, eq=False)
 class LoadedCondition:
-    """Chambers and films that agree at a condition, and the load on the bearing.
-
-    Parameters
-    ----------
-    point : CoupledPoint
-        Chambers and films.
-    load : tuple of float
-        Force [N] and moment [N m] on the bearing.
-    force_unit : float
-        Pressure difference on the high-pressure area, the force of share one. [N]
-    reach : float
-        Tip radius, the arm of moment share one. [m]
-    """
+    """Chambers and films that agree at a condition, and the load on the bearing."""
 
     point: CoupledPoint
+    """Chambers and films."""
     load: tuple[float, float]
+    """Force [N] and moment [N m] on the bearing."""
     force_unit: float
+    """Pressure difference on the high-pressure area, the force of share one. [N]"""
     reach: float
+    """Tip radius, the arm of moment share one. [m]"""
 
     @property
     def shares(self) -> tuple[float, float]:
@@ -89,22 +81,16 @@ class LoadedCondition:
 @final
 @dataclass(frozen=True, eq=False)
 class LateralReduction:
-    """Films beside the faces over force and moment on the bearing at one condition.
-
-    Parameters
-    ----------
-    condition : LoadedCondition
-        The condition, where nothing is added to the load.
-    closed_torque : float
-        Torque of the closed form there. [N m]
-    columns : mapping of str to ndarray
-        One value for each force and moment, see :data:`COLUMNS`; the lag is damping over stiffness
-        of the films where a force lifts the bearing.
-    """
+    """Films beside the faces over force and moment on the bearing at one condition."""
 
     condition: LoadedCondition
+    """The condition, where nothing is added to the load."""
     closed_torque: float
+    """Torque of the closed form there. [N m]"""
     columns: Mapping[str, Array]
+    """One value for each force and moment, see :data:`COLUMNS`; the lag is damping over stiffness
+    of the films where a force lifts the bearing.
+    """
 
 
 def loaded_condition(
