@@ -204,9 +204,7 @@ def test_jacobian_of_a_friction_curve(share: float) -> None:
     plain = ring_system()
     machine = plain.description
     journals = tuple(replace(journal, friction=PUBLISHED) for journal in machine.journals)
-    system = assemble(
-        replace(machine, journals=journals), plain.arrays.fluid, plain.condition
-    )
+    system = assemble(replace(machine, journals=journals), plain.arrays.fluid, plain.condition)
     size, state = system.arrays.size, start_state(system)
     state[size.velocity + 2] = (share - 1.0) * RATIO * state[1]
     assert_derivatives(system, state)

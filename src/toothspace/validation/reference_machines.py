@@ -201,7 +201,7 @@ CLAIMS = (
         0.3,
         reason=(
             "The closed form of the faces keeps a film of 8 um at any pressure; with "
-            "solved films the motor is in range (egm12_motor_reduced)."
+            "solved films the motor is 0.001 above the range (egm12_motor_reduced)."
         ),
     ),
     Claim(
@@ -213,7 +213,7 @@ CLAIMS = (
         0.3,
         reason=(
             "The closed form of the faces keeps a film of 8 um at any pressure; with "
-            "solved films the motor is in range (egm12_motor_reduced)."
+            "solved films the motor is 0.001 above the range (egm12_motor_reduced)."
         ),
     ),
     Claim(
@@ -223,6 +223,10 @@ CLAIMS = (
         "Ranges as published.",
         _tabulated,
         0.3,
+        reason=(
+            "0.001 above the range, far less than what the balanced area decides within the "
+            "published films (docs/how_to/reduce_films.md)."
+        ),
     ),
     Claim(
         "egm12_map",
