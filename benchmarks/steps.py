@@ -253,8 +253,9 @@ def part_times(march: March) -> dict[str, float]:
     blocks = [block_of(one) for one in (arrays, program, memory)]
     addresses = [block.ctypes.data for block in blocks]
     kind, at = int(memory.control["dense_factors"][0]), float(memory.control["time"][0])
-    y, rate, found = memory.y.copy(), np.zeros(memory.y.size), {}
+    y, rate, found = memory.differences[0].copy(), np.zeros(memory.y.size), {}
     for part, name in enumerate(PARTS):
+        loop(0, 1, kind, at, *addresses, y, rate)
         loop(part, 1, kind, at, *addresses, y, rate)
         tries = []
         for _ in range(TRIES):

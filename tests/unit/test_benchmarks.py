@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from benchmarks import goals
 from benchmarks.bench_films import bandwidth
 from benchmarks.bench_lumped import block_of, record_at
 from benchmarks.speed import PAGE, Figure, fallen, load
@@ -50,3 +51,9 @@ def test_the_speed_page_shows_the_stored_figures() -> None:
     for figure in load():
         assert f"| {figure.task} | {1e3 * figure.own_seconds:.3g} ms " in page
         assert f"| {figure.peer} | {figure.ratio:.2f} |" in page
+
+
+def test_the_speed_page_shows_what_was_asked_and_reached() -> None:
+    rows = goals.load()
+    assert set(rows) == set(goals.PARTS)
+    assert goals.as_markdown(list(rows.values())) in PAGE.read_text()
