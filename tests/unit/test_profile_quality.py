@@ -98,7 +98,8 @@ def test_form_error_gives_an_interval_and_a_warning(tmp_path: Path) -> None:
     points = wavy(outline(400), 1e-5, 1.5e-3)
     keys = ["machine.gears.center_distance=34.52 mm"]
     found = summary_of(tmp_path, points, *keys)
-    assert found["involute_deviation_um"] == pytest.approx(20.0, rel=0.25)
+    # the involute that fits leans on waves that the flank holds no whole number of
+    assert 20.0 < found["involute_deviation_um"] < 24.0
     assert found["contact_ratio_as_drawn"] < found["contact_ratio"] - 0.1
     assert any(line.startswith("form error of the profile") for line in found["warnings"])
     drawn = case_of(tmp_path, points, *keys, "machine.gears.profile_flank=drawn").machine_spec
