@@ -1,20 +1,25 @@
 """Independent programs on the same problem, one table: agreement and time.
 
-    python -m benchmarks cross_checks
+    python -m benchmarks cross_checks                # prints the table
+    python -m benchmarks.bench_cross_checks --store  # writes it into the page
 
 Journal bearing coefficients against ROSS, real contact of a rough surface against tamaas, a body
-under pressure against CalculiX (``ccx``), one revolution of a motor against SUNDIALS, gears drawn
-by py_gearworks. A program that is not installed is left out by name; times are wall times of one
-run after a warm-up, of the package and of the other.
+under pressure against CalculiX (``ccx``), one revolution of a motor against SUNDIALS, a gear drawn
+by py_gearworks, a unit of a pump run by FMPy. A program that is not installed is left out by name;
+times are wall times of one run after a warm-up, of the package and of the other.
 """
 
 from __future__ import annotations
 
+import argparse
+import re
 import shutil
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -153,32 +158,104 @@ def py_gearworks() -> Iterator[Row | tuple[float, float]]:
     yield "base radius", 1e3 * flank.base_radius, float(base), "mm"
 
 
-PROGRAMS: dict[str, tuple[str, Callable[[], Iterator[Row | tuple[float, float]]]]] = {
-    "ROSS": ("ross", ross),
-    "tamaas": ("tamaas", tamaas),
-    "CalculiX": ("ccx", calculix),
-    "SUNDIALS": ("sksundae", sundials),
-    "py_gearworks": ("py_gearworks", py_gearworks),
+def fmpy() -> Iterator[Row | tuple[float, float]]:
+    """A pump at 1500 rpm and 140 bar, run, and as a unit of four such runs by FMPy."""
+    from fmpy import simulate_fmu
+    from fmpy.validation import validate_fmu
+
+    import toothspace as ts
+
+    case = ts.load_case("egm12_pump").replace(
+        {
+            "run.samples_per_revolution": 360,
+            "operating_point.outlet_load": "fixed_pressure",
+            "operating_point.shaft_speed": "1500 rpm",
+            "operating_point.outlet_pressure": "141 bar",
+        }
+    )
+    own_time, solution = timed(lambda: ts.simulate(case))
+    held = {"inlet_pressure": 1e5, "outlet_pressure": 141e5, "shaft_speed": 50.0 * np.pi}
+    names = {"outlet_flow_rate": (6e4, "mean_flow_L_per_min", "L/min")}
+    names |= {"shaft_torque": (1.0, "mean_torque_N_m", "N m")}
+    with tempfile.TemporaryDirectory() as folder:
+        path = f"{folder}/unit.fmu"
+        ts.export_fmu(
+            case,
+            path,
+            pressure_difference=[ts.Quantity(60.0, "bar"), ts.Quantity(140.0, "bar")],
+            shaft_speed=[ts.Quantity(900.0, "rpm"), ts.Quantity(1500.0, "rpm")],
+        )
+        assert validate_fmu(path) == []
+        run = partial(
+            simulate_fmu,
+            path,
+            stop_time=1e-2,
+            start_values=held | {"ripple": False},
+            output=[*names],
+        )
+        other_time, found = timed(run)
+    yield own_time, other_time
+    for name, (scale, key, unit) in names.items():
+        yield name.replace("_", " "), solution.summary()[key], scale * float(found[name][-1]), unit
+
+
+PROGRAMS: dict[str, tuple[str, str, Callable[[], Iterator[Row | tuple[float, float]]]]] = {
+    "ROSS": ("ross", "ross-rotordynamics", ross),
+    "tamaas": ("tamaas", "tamaas", tamaas),
+    "CalculiX": ("ccx", "", calculix),
+    "SUNDIALS": ("sksundae", "scikit-sundae", sundials),
+    "py_gearworks": ("py_gearworks", "py-gearworks", py_gearworks),
+    "FMPy": ("fmpy", "fmpy", fmpy),
 }
-"""What has to be there, as a package or a command, and the check."""
+"""Module or command that has to be there, distribution that has the version, and the check."""
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation" / "cross_checks.md"
+_TABLE = re.compile(r"(?<=<!-- table -->\n).*?(?=<!-- end of table -->)", re.DOTALL)
 
 
-def main() -> None:
-    """Print a table for every program that is there."""
-    print(f"{'quantity':36s}{'toothspace':>14s}{'other':>14s}{'difference':>12s}  unit")
-    for name, (needed, check) in PROGRAMS.items():
+def _version(needed: str, distribution: str) -> str:
+    if distribution:
+        return version(distribution)
+    told = subprocess.run([needed, "-v"], capture_output=True, text=True, check=False).stdout
+    return told.split()[-1]
+
+
+def lines() -> Iterator[str]:
+    """Rows of a Markdown table for every program that is there, names of those that are not."""
+    yield "| with | quantity | here | there | difference | time here, there |"
+    yield "|---|---|---|---|---|---|"
+    absent = []
+    for name, (needed, distribution, check) in PROGRAMS.items():
         if find_spec(needed) is None and shutil.which(needed) is None:
-            print(f"{name}: not installed")
+            absent.append(name)
             continue
-        print(f"{name}: {(check.__doc__ or '').strip()}")
+        shown, spent = f"{name} {_version(needed, distribution)}", ""
         for row in check():
             if len(row) == 2:
-                print(f"  time {row[0]:.2g} s, {name} {row[1]:.2g} s")
+                spent = f"{row[0]:.2g} s, {row[1]:.2g} s"
                 continue
             quantity, own, other, unit = row
             change = 100.0 * (own / other - 1.0)
-            print(f"  {quantity:34s}{own:14.6g}{other:14.6g}{change:10.2f} %  {unit}")
+            values = f"{own:.4g} {unit} | {other:.4g} {unit} | {change:.2g} %"
+            yield f"| {shown} | {quantity} | {values} | {spent} |"
+            shown = spent = ""
+    yield ""
+    yield f"Not installed: {', '.join(absent)}." if absent else "All were installed."
+
+
+def main() -> None:
+    """Print the table line by line."""
+    for line in lines():
+        print(line, flush=True)
+
+
+def store() -> None:
+    """Write the table into the page."""
+    table = "\n".join(lines()) + "\n"
+    PAGE.write_text(_TABLE.sub(lambda _: table, PAGE.read_text("utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser("python -m benchmarks.bench_cross_checks", description=__doc__)
+    parser.add_argument("--store", action="store_true", help="write the table into the page")
+    store() if parser.parse_args().store else main()

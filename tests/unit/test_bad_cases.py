@@ -373,7 +373,6 @@ PROFILES = {
     "not_watertight.stl": tetrahedron(3, 3),
     "open.dxf": open_dxf(),
     "broken.dxf": b"0\nSECTION\n2\n",
-    "broken.step": b"ISO-10303-21;\nHEADER;\n",
 }
 
 

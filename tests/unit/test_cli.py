@@ -437,7 +437,6 @@ def test_stand_alone_film_has_its_own_command(capsys: pytest.CaptureFixture[str]
 
 
 def test_report_of_a_missing_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("toothspace.results.io")
     assert main(["report", str(tmp_path / "absent.nc")]) == 2
     streams = capsys.readouterr()
     assert streams.err.count("\n") == 1

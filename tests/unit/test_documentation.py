@@ -220,11 +220,17 @@ def on_the_way(page: str) -> list[object]:
 
 @pytest.mark.parametrize("name", on_the_way("page"))
 def test_tutorial_runs(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    request: pytest.FixtureRequest,
 ) -> None:
     """All commands and scripts in their order; printed numbers are within 10 % of the page."""
     if name == "own_step_pair":
         pytest.importorskip("OCP", reason="STEP files need the extra cad")
+    if name != "first_pump":
+        request.getfixturevalue("few_figures")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     shown: dict[str, float] = {}
@@ -243,6 +249,7 @@ def test_tutorial_runs(
         shown |= printed_numbers(capsys.readouterr().out)
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.parametrize("name", on_the_way("notebook"))
 def test_notebook_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The code cells as a script; every cell of the stored notebook was run without an error."""

@@ -102,7 +102,8 @@ def test_deviation_from_the_best_involute_shows_a_bump_not_a_wrong_angle():
     worn = replace(steep, points=points)
     found = fit(worn)
     assert found is not None
-    assert max(found.right.total, found.left.total) == pytest.approx(5e-6, rel=0.2)
+    # the fit leaves the bump aside
+    assert max(found.right.total, found.left.total) == pytest.approx(5e-6, rel=0.01)
 
 
 def test_single_pitch():

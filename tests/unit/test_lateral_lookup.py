@@ -316,7 +316,8 @@ def test_seats_and_gaps_come_to_agree(
 ) -> None:
     """Also where more leakage past the seats closes the gaps by far more."""
     found, seats = _seated(setup, lambda seat: 20.0 ** (1.0 - slope) * seat**slope, monkeypatch)
-    assert seats[-1] == pytest.approx(20.0, rel=0.2)
+    # rounds end with 5 % of the leakage open, a change of the seats of up to twice that
+    assert seats[-1] == pytest.approx(20.0, rel=0.11)
     assert "warnings" not in found.provenance
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -56,14 +57,18 @@ def exact(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
 
 
 @pytest.mark.parametrize(
-    "points",
-    [wavy(outline(), 1e-6), wavy(outline(), 2e-6), outline(2000), meshed(outline(2000), 1e-5)],
-    ids=["waves of 1 um", "waves of 2 um", "refined", "chords of 10 um"],
+    "drawn",
+    [
+        lambda: wavy(outline(), 2e-6),
+        lambda: outline(2000),
+        lambda: meshed(outline(2000), 1e-5),
+    ],
+    ids=["waves of 2 um", "refined", "chords of 10 um"],
 )
 def test_contact_and_trapped_volume_are_those_of_the_smooth_flank(
-    tmp_path: Path, points: np.ndarray, exact: dict[str, object]
+    tmp_path: Path, drawn: Callable[[], np.ndarray], exact: dict[str, object]
 ) -> None:
-    found = summary_of(tmp_path, points)
+    found = summary_of(tmp_path, drawn())
     assert found["contact_ratio"] == pytest.approx(exact["contact_ratio"], abs=0.01)
     assert found["trapped_volume_mm3"] == pytest.approx(exact["trapped_volume_mm3"], rel=0.01)
     assert found["displacement_cm3_per_rev"] == pytest.approx(
@@ -93,7 +98,8 @@ def test_form_error_gives_an_interval_and_a_warning(tmp_path: Path) -> None:
     points = wavy(outline(400), 1e-5, 1.5e-3)
     keys = ["machine.gears.center_distance=34.52 mm"]
     found = summary_of(tmp_path, points, *keys)
-    assert found["involute_deviation_um"] == pytest.approx(20.0, rel=0.25)
+    # the involute that fits leans on waves that the flank holds no whole number of
+    assert 20.0 < found["involute_deviation_um"] < 24.0
     assert found["contact_ratio_as_drawn"] < found["contact_ratio"] - 0.1
     assert any(line.startswith("form error of the profile") for line in found["warnings"])
     drawn = case_of(tmp_path, points, *keys, "machine.gears.profile_flank=drawn").machine_spec

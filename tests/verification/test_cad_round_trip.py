@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +9,7 @@ import pytest
 
 from tests.conftest import REPOSITORY
 from toothspace import api
+from toothspace.cli import main
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 
@@ -27,11 +26,13 @@ def volume(description: MachineDescription) -> Array:
     "suffix",
     ["dxf", *(pytest.param(one, marks=pytest.mark.slow) for one in ("stl", "step")), "txt"],
 )
-def test_exported_profile_gives_the_tables_back(tmp_path: Path, suffix: str) -> None:
+def test_exported_profile_gives_the_tables_back(
+    tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Displacement within 0.1 %, V over the angle within 0.2 % of its range."""
     source = CASES / "egm12_motor.toml"
-    command = [sys.executable, "-m", "toothspace", "geometry", str(source), "--export", suffix]
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    monkeypatch.chdir(tmp_path)
+    assert main(["geometry", str(source), "--export", suffix]) == 0
     text = (CASES / "egm12_motor_profile.toml").read_text(encoding="utf-8")
     path = tmp_path / "case.toml"
     drive = tmp_path / f"egm12_motor_drive.{suffix}"

@@ -52,8 +52,8 @@ def path(machine: MachineDescription, name: str) -> FlowPath:
     ("case", "changes"),
     [
         (CASE, {}),
-        (CASE, RIGID),
-        (CASE, {"run.mesh": "elastic"}),
+        pytest.param(CASE, RIGID, marks=pytest.mark.slow),
+        pytest.param(CASE, {"run.mesh": "elastic"}, marks=pytest.mark.slow),
         pytest.param(CASE, {"run.fidelity": "films"}, marks=pytest.mark.slow),
         (MOTOR, {}),
     ],
@@ -97,6 +97,7 @@ NO_NOTCH = {f"machine.filler.notch.{key}": f"{size} mm" for key, size in
             (("length", 0.01), ("width", 0.001), ("depth", 0.001))}  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_notch_lets_pressure_in_before_the_outlet_opens() -> None:
     """Without it the compression of each space dips the flow far below its kinematic ripple."""
     abrupt, gradual = solved(CASE, *_keys(NO_NOTCH)), solved()

@@ -71,6 +71,7 @@ def elastic(machine: MachineDescription) -> History:
     return run(machine, compliant=True)
 
 
+@pytest.mark.slow
 def test_stiff_teeth_are_a_rigid_mesh(machine: MachineDescription, rigid: History) -> None:
     """Flow, torque, leakage and mean contact force of the constraint come back in the limit."""
     stiff = run(stiffened(machine), compliant=True)

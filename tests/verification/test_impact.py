@@ -17,9 +17,8 @@ from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import MachineDescription, Motion
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.system import evaluate
 from toothspace.numerics.periodic_table import PeriodicTable
-from toothspace.solver.compiled_model import observe
+from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import Piece, start_march
 
@@ -99,7 +98,7 @@ def bounce(system: System, speed: float, duration: float, samples: int = 2000) -
 def energies(system: System, piece: Piece) -> np.ndarray:
     total = []
     for state in piece.states:
-        evaluate(system.arrays, state)
+        evaluate_state(system.arrays, state)
         stored = float(np.sum(system.arrays.contact[:, CONTACT_ENERGY]))
         total.append(0.5 * MASS * state[system.arrays.size.velocity] ** 2 + stored)
     return np.array(total)

@@ -296,6 +296,7 @@ def _loop(coulomb: float) -> np.ndarray:
     return np.array(positions)
 
 
+@pytest.mark.slow
 def test_loop_of_positions_opens_with_friction_and_closes_without() -> None:
     free, rubbed = _loop(0.0), _loop(60.0)
     assert free[3:] == pytest.approx(free[1::-1], rel=1e-4)

@@ -70,8 +70,7 @@ def solved_admittance(system: System, cells: int, frequencies: npt.ArrayLike) ->
     """Flows into the line per pressure at its near end, the far one held, from the Jacobian."""
     arrays, size = system.arrays, system.arrays.size
     state = start_state(system)
-    matrix = np.zeros((size.total, size.core))
-    jacobian(0.0, state, arrays, matrix)
+    matrix = jacobian(0.0, state, arrays)
     places = node_places(system.description, system.condition)
     dynamic = {name: int(arrays.dynamic_index[k]) for name, k in places.items()}
     inner = [dynamic[f"line:{k}"] for k in range(1, cells)]

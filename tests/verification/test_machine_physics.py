@@ -26,7 +26,6 @@ def number(key: str, name: str, *overrides: str) -> float:
     return float(solved(name, *overrides).summary()[key])
 
 
-SLOW_MOTOR = pytest.param("egm12_motor", marks=pytest.mark.slow)
 SLOW_FUEL = pytest.param("fuel14_pump", marks=pytest.mark.slow)
 
 
@@ -91,6 +90,7 @@ def test_halving_the_tolerance_changes_no_physical_number(name: str) -> None:
 FAST = ('operating_point.shaft_speed="4000 rpm"', 'operating_point.outlet_pressure="50 bar"')
 
 
+@pytest.mark.slow
 def test_throttled_suction_starves_a_fast_pump() -> None:
     """Air released below atmospheric pressure fills the tooth spaces: 8 % by volume dissolved."""
 
@@ -148,7 +148,8 @@ def test_flow_ripple_peaks_at_the_tooth_frequency() -> None:
     assert int(np.argmax(amplitude[1:])) + 1 == 12
 
 
-@pytest.mark.parametrize("name", ["egm12_pump", SLOW_MOTOR])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
 def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -> None:
     """At dual-flank timing nothing is shut in; the reference edge adds less than 50 bar to that."""
 
