@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
+from tests.architecture.reference_pages import result_page
 from tests.architecture.sources import PACKAGE, REPOSITORY
 from toothspace import api
 from toothspace.core.registry import machine_modules
@@ -128,7 +129,7 @@ def test_result_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     row = (name, "sample chamber", "K", "Temperature of the fluid in a chamber")
     monkeypatch.setattr(variables, "_ROWS", (*variables._ROWS, row))
     monkeypatch.setattr(variables, "VARIABLES", variables._variables())
-    assert f"| `{name}` | sample, chamber | K | {row[3]} |" in variables.reference_page()
+    assert f"| `{name}` | sample, chamber | K | {row[3]} |" in result_page()
     data = variables.dataset_from(
         {"shaft_angle": np.arange(3.0), "time": np.arange(3.0), name: np.full((3, 2), 320.0)},
         {"chamber": ("a", "b")},

@@ -11,7 +11,6 @@ import pytest
 
 from toothspace.api import load_case
 from toothspace.case.json_schema import case_schema
-from toothspace.case.reference import reference_page
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))
@@ -118,10 +117,3 @@ def test_quantities_state_unit_and_range(schema: dict[str, Any]) -> None:
     assert gears["module"]["x-minimum"] == 0.1
     assert "from 0.1 mm to 50 mm" in gears["module"]["description"]
     assert gears["roughness"]["default"] == "0.25 um"
-
-
-def test_reference_page_is_current() -> None:
-    page = REPOSITORY / "docs" / "reference" / "case_file.md"
-    assert page.read_text(encoding="utf-8") == reference_page(), (
-        "run python -m toothspace.case.reference docs/reference/case_file.md"
-    )

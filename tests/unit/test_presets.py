@@ -15,7 +15,6 @@ from toothspace.simulation.presets import (
     interface_models,
     interface_text,
     models_of,
-    preset_page,
 )
 from toothspace.simulation.run import STEADY
 
@@ -77,10 +76,3 @@ def test_tables_leave_no_choice() -> None:
     with pytest.raises(CaseError, match="tables of these films"):
         interface_models(case, ("journal",))
     assert interface_models(api.load_case(PUMP), ("lateral",))["lateral"] == "table"
-
-
-def test_the_page_is_that_of_the_code() -> None:
-    page = REPOSITORY / "docs" / "reference" / "presets.md"
-    assert page.read_text(encoding="utf-8") == preset_page(), (
-        "run python -m toothspace.simulation.presets docs/reference/presets.md"
-    )

@@ -1,11 +1,9 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from toothspace.results.variables import VARIABLES, dataset_from, reference_page
+from toothspace.results.variables import VARIABLES, dataset_from
 
 CONTRACT = [
     "shaft_angle",
@@ -69,8 +67,3 @@ def test_unknown_label_is_refused() -> None:
 def test_wrong_number_of_axes_is_refused() -> None:
     with pytest.raises(ValueError, match="chamber_pressure has 1 axes"):
         dataset_from({"chamber_pressure": np.zeros(3)}, {})
-
-
-def test_reference_page_is_up_to_date(repository: Path) -> None:
-    page = repository / "docs" / "reference" / "results.md"
-    assert page.read_text(encoding="utf-8") == reference_page()

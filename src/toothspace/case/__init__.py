@@ -9,7 +9,6 @@ overrides       values of key paths laid over tables
 rules           what several keys must fulfil together
 shipped         cases that come with the package
 json_schema     JSON Schema of all keys
-reference       reference page of all keys
 conditions      fluid, operating point, numerical settings of the run
 circuit         circuit elements and their connections
 study           named studies

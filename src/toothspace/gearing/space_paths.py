@@ -37,6 +37,15 @@ _PEAKS = 2.0
 
 _PORTS = {"inlet": INLET_PORT, "outlet": OUTLET_PORT}
 _GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
+OPENINGS = {
+    "port": (_PORTS, 1.0),
+    "recess": (_PORTS, FACES),
+    "notch": (_PORTS, 1.0),
+    "groove": (_GROOVES, FACES),
+}
+"""Openings to ports at the tip circle, in both faces and in the wall, and to relief grooves in
+both faces: categories by port, and how many of each there are.
+"""
 
 
 def flank_paths(
@@ -173,30 +182,13 @@ class ToothSpaces:
         for port, length in zip(_PORTS, port_lengths(self.spaces, edges), strict=True):
             diameter = 2.0 * self.width * length / (self.width + length)
             tables[port] = np.column_stack([self.width * length, diameter])
-        return self._to_ports("port", _PORTS, tables, 1.0)
+        return self.openings("port", tables)
 
-    def recesses(self, tables: Mapping[str, Array]) -> list[FlowPath]:
-        """Openings into the recesses of the ports in both faces: area [m2] and diameter [m]."""
-        return self._to_ports("recess", _PORTS, tables, FACES)
-
-    def notches(self, tables: Mapping[str, Array]) -> list[FlowPath]:
-        """Openings to the ports through notches in the wall: area [m2] and diameter [m]."""
-        return self._to_ports("notch", _PORTS, tables, 1.0)
-
-    def grooves(self, tables: Mapping[str, Array]) -> list[FlowPath]:
-        """Openings into the relief grooves of both faces: area [m2] and diameter [m]."""
-        return self._to_ports("groove", _GROOVES, tables, FACES)
-
-    def _to_ports(
-        self,
-        name: str,
-        categories: Mapping[str, PathCategory],
-        tables: Mapping[str, Array],
-        multiplicity: float,
-    ) -> list[FlowPath]:
-        found = []
+    def openings(self, kind: str, tables: Mapping[str, Array]) -> list[FlowPath]:
+        """Openings of one kind of :data:`OPENINGS` by port: area [m2] and diameter [m]."""
+        (categories, multiplicity), found = OPENINGS[kind], []
         for port, table in tables.items():
-            label, node = f"{name}_{port}_{self.label}", getattr(self.numbering, port)
+            label, node = f"{kind}_{port}_{self.label}", getattr(self.numbering, port)
             found.append(
                 self._paths.to_node(label, categories[port], table, node, "orifice", multiplicity)
             )

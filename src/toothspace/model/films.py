@@ -22,6 +22,7 @@ from toothspace.model.description import (
     LumpedLateralFilm,
     MachineDescription,
 )
+from toothspace.numerics.periodic_table import hermite_coefficients
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
@@ -197,8 +198,7 @@ def _spline(values: Array) -> Array:
     total = np.where(product > 0.0, difference[1:] + difference[:-1], 1.0)
     slope[1:-1] = np.where(product > 0.0, 2.0 * product / total, 0.0)
     slope[-1] = difference[-1]
-    v0, v1, s0, s1 = values[:-1], values[1:], slope[:-1], slope[1:]
-    return np.stack([v0, s0, 3 * (v1 - v0) - 2 * s0 - s1, s0 + s1 - 2 * (v1 - v0)], axis=1)
+    return np.stack(hermite_coefficients(values[:-1], values[1:], slope[:-1], slope[1:]), axis=1)
 
 
 def lateral_torque_coefficient(description: MachineDescription) -> float:

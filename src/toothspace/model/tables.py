@@ -11,7 +11,7 @@ from toothspace.core.compiled import kernel, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.machine_parts import ChamberFamily, FlowPath
-from toothspace.numerics.periodic_table import PeriodicTable
+from toothspace.numerics.periodic_table import PeriodicTable, hermite_coefficients
 
 OFFSET, NODES, CHANNELS = range(3)
 
@@ -165,7 +165,11 @@ def make_members(
 def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
     """Pack tables into one bank, in their order."""
     tables = [_shortened(table) for table in tables]
-    blocks = [_hermite_coefficients(table).ravel() for table in tables]
+    blocks = []
+    for table in tables:
+        v, s = table.values, table.period / table.values.shape[0] * table.slopes
+        ends = np.roll(v, -1, axis=0), s, np.roll(s, -1, axis=0)
+        blocks.append(np.stack(hermite_coefficients(v, *ends), axis=1).ravel())
     offset = np.concatenate(([0], np.cumsum([block.size for block in blocks])[:-1]))
     shapes = np.array([table.values.shape for table in tables], dtype=np.int64)
     return TableBank(
@@ -182,15 +186,6 @@ def _shortened(table: PeriodicTable) -> PeriodicTable:
     values, slopes = table.values[:, :channels], table.slopes[:, :channels]
     nodes = len(values) if np.any(slopes) or np.any(values != values[0]) else 1
     return PeriodicTable(table.period, values[:nodes], slopes[:nodes])
-
-
-def _hermite_coefficients(table: PeriodicTable) -> Array:
-    step = table.period / table.values.shape[0]
-    v0, v1 = table.values, np.roll(table.values, -1, axis=0)
-    s0, s1 = step * table.slopes, step * np.roll(table.slopes, -1, axis=0)
-    c2 = 3.0 * (v1 - v0) - 2.0 * s0 - s1
-    c3 = s0 + s1 - 2.0 * (v1 - v0)
-    return np.ascontiguousarray(np.stack([v0, s0, c2, c3], axis=1))
 
 
 @kernel

@@ -6,10 +6,8 @@ table is refused. The page ``docs/reference/results.md`` is generated from it.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
@@ -262,34 +260,3 @@ def _data_array(name: str, value: ArrayLike | xr.Variable, sample: str) -> xr.Va
         array = xr.Variable(dimensions, np.asarray(value))
     array.attrs = {"long_name": entry.long_name} | ({"units": entry.units} if entry.units else {})
     return array
-
-
-def reference_page() -> str:
-    """Return the reference page of all result variables as Markdown."""
-    lines = [
-        "# Result variables",
-        "",
-        "Generated from `src/toothspace/results/variables.py` by",
-        "`python -m toothspace.results.variables docs/reference/results.md`.",
-        "",
-        "A result is one NetCDF file. All values are in SI units; pressures are absolute.",
-        "`sample` stands for `shaft_angle` in a steady run and for `time` in a transient run;",
-        "the other one of the two is kept as a coordinate along it.",
-        "",
-        "| name | dimensions | unit | meaning |",
-        "|---|---|---|---|",
-    ]
-    lines += [
-        f"| `{v.name}` | {', '.join(v.dimensions) or '-'} | {v.units or '-'} | {v.long_name} |"
-        for v in VARIABLES.values()
-    ]
-    lines += ["", "## Labels", "", "| dimension | meaning | labels |", "|---|---|---|"]
-    lines += [
-        f"| `{dim}` | {meaning} | {' '.join(f'`{n}`' for n in LABELS.get(dim, ())) or '-'} |"
-        for dim, meaning in LABEL_DIMENSIONS.items()
-    ]
-    return "\n".join(lines) + "\n"
-
-
-if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(reference_page(), encoding="utf-8")

@@ -44,12 +44,16 @@ def flow_paths(
         paths.append(_tip_path(assembly, own))
         paths.extend(own.mouths((edges.inlet, edges.outlet)))
         if spec.filler.notch is not None:
-            paths.extend(own.notches({"outlet": notch_opening(assembly, own, spec.filler.notch)}))
+            paths.extend(
+                own.openings("notch", {"outlet": notch_opening(assembly, own, spec.filler.notch)})
+            )
         recesses = groove_openings(own.spaces, cover_recesses(assembly), spec.ports.depth)
-        paths.extend(own.recesses(recesses))
+        paths.extend(own.openings("recess", recesses))
         if grooves is not None:
             outlines = relief_polygons(assembly)
-            paths.extend(own.grooves(groove_openings(own.spaces, outlines, grooves.depth)))
+            paths.extend(
+                own.openings("groove", groove_openings(own.spaces, outlines, grooves.depth))
+            )
         # area of a space out of mesh; land to the shaft, or to the outside of the ring
         if gear == 0:
             area, land = assembly.pinion.tooth_space_area, (shaft, assembly.pinion.root_radius)

@@ -51,7 +51,7 @@ def flow_paths(
             own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
         )
         paths.extend(own.mouths((casing.inlet_angle, casing.outlet_angle)))
-        paths.extend(own.grooves(grooves_by_port(assembly, spaces[gear])))
+        paths.extend(own.openings("groove", grooves_by_port(assembly, spaces[gear])))
         paths.append(own.lateral(lateral.leakage_height, profile.tooth_space_area))
         # a tilt raises the height of the land between tooth root and shaft
         inner, outer = spec.shaft_radius, profile.root_radius
