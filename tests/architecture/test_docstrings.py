@@ -6,6 +6,7 @@ import ast
 import inspect
 import re
 
+import toothspace
 import toothspace.films
 from tests.architecture.sources import (
     SOURCES,
@@ -21,8 +22,8 @@ NUMERIC = re.compile(r"float|int\b|Any|Array|ndarray")
 ENTRY = re.compile(r"^(\w[\w, *]*?)\s*(?::.*)?$")
 
 HELD_BY_USERS = {
-    "Case", "Columns", "EvaluatedDesigns", "Ledger", "MachineDescription", "Solution",
-    "StudyResult", *dir(toothspace.films),
+    *dir(toothspace), *dir(toothspace.films), "Columns", "EvaluatedDesigns", "Ledger",
+    "MachineDescription", "StudyResult",
 }  # fmt: skip
 
 CLOSURES = [source for source in SOURCES if source.label.startswith("closures/")]

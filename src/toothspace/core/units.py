@@ -189,6 +189,13 @@ def si_unit(unit: str) -> str:
 class Quantity:
     """A number with its unit, for keys of a case in Python.
 
+    Parameters
+    ----------
+    value : float
+        Number. [unit]
+    unit : str
+        Unit as in a case file, such as ``"mm"`` or ``"rpm"``.
+
     Raises
     ------
     CaseError
@@ -203,9 +210,7 @@ class Quantity:
     """
 
     value: float
-    """Number. [unit]"""
     unit: str
-    """Unit as in a case file, such as ``"mm"`` or ``"rpm"``."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.value, Real) or not isinstance(self.unit, str):
