@@ -113,8 +113,8 @@ def integrators(
 def running_motor() -> Iterator[Figure]:
     """A motor in its circuit with a free shaft.
 
-    CVODE's iteration fails so often at ten times the tolerance, or just below it, that its time
-    says nothing there: 37 s were seen. It is asked for more.
+    CVODE's iteration fails at random there, at 1e-5 a million times; its time means something
+    at closer tolerances only.
     """
     task = f"Motor in its circuit, {bench_startup.RUNNING} s at 300 rpm"
     tolerance = bench_startup.TOLERANCE

@@ -20,7 +20,7 @@ from toothspace.closures.density import (
     mixture_pressure,
     mixture_specific_volume,
 )
-from toothspace.closures.exponential import exponential_rise, logarithm
+from toothspace.closures.exponential import exponential_rise
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import (
@@ -142,14 +142,6 @@ def test_rise_of_the_exponential_function() -> None:
     assert error[np.abs(exponent) <= 4.0].max() < 2e-14
     assert error.max() < 3e-10
     assert exponential_rise(0.0) == 0.0
-
-
-def test_logarithm_of_bits() -> None:
-    value = np.concatenate([np.logspace(-300, 300, 2001), 1.0 + np.linspace(-0.5, 0.5, 1001)])
-    exact = np.log(value)
-    error = np.abs(logarithm(value) - exact) / np.maximum(1.0, np.abs(exact))
-    assert error.max() < 5e-16
-    assert logarithm(1.0) == 0.0
 
 
 def test_heated_throat_has_the_mean_of_the_reciprocal_viscosity() -> None:

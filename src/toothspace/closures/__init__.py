@@ -30,6 +30,6 @@ contact_asperities   the same by statistics of summits
 flow_factors         rough surfaces in thin films
 heat_transfer        heat between oil and walls
 smooth               rounded corners for time integration
-exponential          with the logarithm, for loops over vectors
+exponential          for compiled loops over vectors
 ==================== ==========================================================
 """

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from toothspace.closures.density import free_gas_fraction
-from toothspace.closures.exponential import logarithm
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.smooth import positive_part_slope
 from toothspace.core.compiled import inlined
@@ -24,8 +23,8 @@ def _reciprocal_integral(excess: Any, reference: Any, offset: Any, width: Any) -
     negative = 0.5 * (offset + root)
     positive = width * width / negative
     near = np.maximum(excess - positive, 1e-9 * width) / (reference - positive)
-    far = (excess + negative) / (reference + negative)
-    return (positive * logarithm(near) + negative * logarithm(far)) / root
+    far = np.log1p((excess - reference) / (reference + negative))
+    return (positive * np.log(near) + negative * far) / root
 
 
 @inlined

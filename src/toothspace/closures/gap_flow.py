@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.closures.exponential import exponential_rise, logarithm
 from toothspace.core.compiled import inlined
 
 CURVED_GAP_CONSTANT = 8.0 / (36.0 * np.sqrt(2.0) * np.pi)
@@ -140,9 +139,7 @@ def fitted_gap_conductance(
        points and fluid-structure interactions", equation 3.
     """
     narrow = np.minimum(gap_height / relative_radius, NARROW)
-    # next to the root, little is left of the power
-    rest = 1.0 + exponential_rise((FITTED_POWER - 2.5) * logarithm(narrow))
-    fit = 0.0456 * np.sqrt(narrow) * rest
+    fit = 0.0456 * narrow ** (FITTED_POWER - 2.0)
     return fit * gap_width * gap_height * gap_height / dynamic_viscosity
 
 

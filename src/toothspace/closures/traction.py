@@ -18,6 +18,9 @@ _REST_SPEED = 1e-6
 _BOUNDARY_SPEED = 1e-3
 """Sliding speed over which boundary friction builds up: regularisation. [m/s]"""
 
+_LEAST = 1e-300
+"""Material number of a fluid whose viscosity does not grow with pressure, for its logarithm. [-]"""
+
 
 class FlankSurface(NamedTuple):
     """Constants of one pair of flanks."""
@@ -81,8 +84,9 @@ def traction_coefficient(
     """
     rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
     slide = rounded**0.405 - _SLIDE_ROUNDING**0.81
-    grip = 0.671e-6 * speed_number**0.26
-    grip *= (load_number * material_number * material_number) ** 3.32
+    # one exponential for the powers, whose logarithms the film thickness has too
+    loaded = np.log(load_number) + 2.0 * np.log(np.maximum(material_number, _LEAST))
+    grip = 0.671e-6 * np.exp(0.26 * np.log(speed_number) + 3.32 * loaded)
     traction, slope = grip * slide, 1.0
     cap = 0.8 * limiting_shear
     if traction > cap:
@@ -121,7 +125,9 @@ def film_thickness_dowson_higginson(
     ----------
     .. [1] D. Dowson, "Elastohydrodynamics", Proc. Instn Mech. Engrs 182, part 3A, 1968, 151-167.
     """
-    return 2.65 * mean_speed_number**0.70 * material_number**0.54 / load_number**0.13
+    logarithm = 0.70 * np.log(mean_speed_number)
+    logarithm += 0.54 * np.log(np.maximum(material_number, _LEAST))
+    return 2.65 * np.exp(logarithm - 0.13 * np.log(load_number))
 
 
 @inlined
@@ -224,6 +230,7 @@ def mesh_friction(
     by_sliding = share * surface.boundary_friction * (1.0 - rise * rise) / _BOUNDARY_SPEED
     if slide_ratio < 1.0:
         rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
-        by_sliding += (1.0 - share) * slope * grip * (0.81 * slide_ratio * rounded**-0.595 / total)
+        by_ratio = 0.81 * slide_ratio * (slide + _SLIDE_ROUNDING**0.81) / rounded
+        by_sliding += (1.0 - share) * slope * grip * by_ratio / total
     friction = (1.0 - share) * sign * traction + share * boundary
     return friction, by_load / (load_number * scale), by_sliding
