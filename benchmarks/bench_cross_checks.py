@@ -68,7 +68,7 @@ def ross() -> Iterator[Row | tuple[float, float]]:
         )
     )
     yield own_time, other_time
-    yield "eccentricity ratio", own.eccentricity_ratio, float(other.eccentricity[0]), "1"
+    yield "eccentricity ratio", own.eccentricity_ratio, float(other.eccentricity[0]), ""
     # ROSS loads along -y: its y is this x
     pairs = {"xx": "yy", "yy": "xx", "xy": "yx", "yx": "xy"}
     place = {"x": 0, "y": 1}
@@ -236,8 +236,8 @@ def lines() -> Iterator[str]:
                 continue
             quantity, own, other, unit = row
             change = 100.0 * (own / other - 1.0)
-            values = f"{own:.4g} {unit} | {other:.4g} {unit} | {change:.2g} %"
-            yield f"| {shown} | {quantity} | {values} | {spent} |"
+            values = " | ".join(f"{value:.4g} {unit}".rstrip() for value in (own, other))
+            yield f"| {shown} | {quantity} | {values} | {change:.2g} % | {spent} |"
             shown = spent = ""
     yield ""
     yield f"Not installed: {', '.join(absent)}." if absent else "All were installed."
