@@ -68,7 +68,7 @@ def ross() -> Iterator[Row | tuple[float, float]]:
         )
     )
     yield own_time, other_time
-    yield "eccentricity ratio", own.eccentricity_ratio, float(other.eccentricity[0]), "1"
+    yield "eccentricity ratio", own.eccentricity_ratio, float(other.eccentricity[0]), ""
     # ROSS loads along -y: its y is this x
     pairs = {"xx": "yy", "yy": "xx", "xy": "yx", "yx": "xy"}
     place = {"x": 0, "y": 1}
@@ -135,6 +135,7 @@ def sundials() -> Iterator[Row | tuple[float, float]]:
     from benchmarks.bench_lumped import Problem, run_cvode, run_package
 
     problem = Problem()
+    run_cvode(problem, 1e-3)
     own, other = run_package(problem, 1e-7), run_cvode(problem, 1e-7)
     yield own[0], other[0]
     first, second = (problem.pressures(run[1]) / 1e5 for run in (own, other))
@@ -203,7 +204,7 @@ PROGRAMS: dict[str, tuple[str, str, Callable[[], Iterator[Row | tuple[float, flo
     "ROSS": ("ross", "ross-rotordynamics", ross),
     "tamaas": ("tamaas", "tamaas", tamaas),
     "CalculiX": ("ccx", "", calculix),
-    "SUNDIALS": ("sksundae", "scikit-sundae", sundials),
+    "SUNDIALS by scikit-sundae": ("sksundae", "scikit-sundae", sundials),
     "py_gearworks": ("py_gearworks", "py-gearworks", py_gearworks),
     "FMPy": ("fmpy", "fmpy", fmpy),
 }
@@ -236,8 +237,8 @@ def lines() -> Iterator[str]:
                 continue
             quantity, own, other, unit = row
             change = 100.0 * (own / other - 1.0)
-            values = f"{own:.4g} {unit} | {other:.4g} {unit} | {change:.2g} %"
-            yield f"| {shown} | {quantity} | {values} | {spent} |"
+            values = " | ".join(f"{value:.4g} {unit}".rstrip() for value in (own, other))
+            yield f"| {shown} | {quantity} | {values} | {change:.2g} % | {spent} |"
             shown = spent = ""
     yield ""
     yield f"Not installed: {', '.join(absent)}." if absent else "All were installed."

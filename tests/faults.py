@@ -3,9 +3,10 @@
 ``python -m tests.faults --count 100`` starts ``run``, ``study`` and ``report`` so many times each,
 ends each at a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder:
 nothing half-written under a final name, no draft of a finished command, every result readable,
-no process left, and ``study --resume`` completes. Then limits on the size of files, full disks and
-temporary folders, folders that cannot be written, damaged caches, caches from the future, two
-processes on one cache, and too little memory. The exit code is the number of faults that did harm.
+no process left, and ``study --resume`` completes with the numbers of a study that was not ended.
+Then limits on the size of files, full disks and temporary folders, folders that cannot be
+written, damaged caches, caches from the future, two processes on one cache, and too little
+memory. The exit code is the number of faults that did harm.
 """
 
 from __future__ import annotations
@@ -113,6 +114,9 @@ def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -
         if name == "study" and (folder / "study").is_dir():
             code, messages = finish(start([*commands(folder)["study"], "--resume"]))
             found += [] if code == 0 else [f"resume ends with {code}: {messages[-300:]}"]
+            both = [place / "study" / "study.nc" for place in (folder, whole.parent)]
+            if code == 0 and not read_dataset(both[0]).equals(read_dataset(both[1])):
+                found.append("resumed, it has other numbers")
         return [f"{name}, {end.name}: {text}" for text in found]
 
 
@@ -225,6 +229,9 @@ def main() -> int:
         code, messages = finish(start(commands(folder)["run"]))
         assert code == 0, messages
         longest = time.perf_counter() - started
+        if "study" in given.only:
+            code, messages = finish(start(commands(folder)["study"]))
+            assert code == 0, messages
         for kind in given.only:
             for text in KINDS[kind](whole, longest, draw, given.count):
                 harms += 1

@@ -1,11 +1,13 @@
-"""Checks of the Jacobian and of the matrices that the iteration of the integrator is given."""
+"""The matrices that the iteration of the integrator is given, and the Jacobian that they make."""
 
 import numpy as np
 
-from tests.reference_formulas.full_jacobian import iteration_matrices
+from tests.reference_formulas.full_jacobian import add_composition
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
+from toothspace.model.jacobian import fill_jacobian
 from toothspace.model.system import right_hand_side
+from toothspace.solver.compiled_model import evaluate_state
 
 
 def slope_of_rates(system: System, state: Array, column: int, step: float) -> Array:
@@ -18,8 +20,17 @@ def slope_of_rates(system: System, state: Array, column: int, step: float) -> Ar
     return np.asarray((rates[0] - rates[1]) / (2.0 * step))
 
 
-def assert_within_patterns(system: System, state: Array) -> None:
-    """Derivatives by the unknowns and their basis are nought where elimination expects it."""
-    matrix, basis = iteration_matrices(0.0, state, system.arrays)
+def jacobian_of(system: System, state: Array) -> Array:
+    """Derivatives of all rates by the core states, from those by the unknowns and their basis.
+
+    Both are nought where the elimination expects it.
+    """
+    arrays, size = system.arrays, system.arrays.size
+    matrix, basis = np.zeros((size.total, size.core)), np.eye(size.core)
+    evaluate_state(arrays, state)
+    fill_jacobian(0.0, state, arrays, matrix, basis)
     assert not np.any(matrix[~system.pattern])
     assert not np.any(basis[~system.basis])
+    full = np.asarray(matrix @ np.linalg.inv(basis))
+    add_composition(arrays, state, full)
+    return full

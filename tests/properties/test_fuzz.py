@@ -6,7 +6,7 @@ import pytest
 
 from tests.fuzz import READERS, VERDICTS, fuzz
 
-FEW = {"solid": 2, "outline": 30, "result": 15}
+FEW = {"solid": 2, "outline": 30, "result": 8}
 """Inputs of readers that take longer: processes of their own read solids and try results."""
 
 

@@ -1,39 +1,52 @@
-"""Full Jacobian of the right-hand side from the matrices of the iteration."""
+"""Full Jacobian of the right-hand side, to hold the matrices of the iteration against."""
 
 from __future__ import annotations
 
-import numpy as np
-
+from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
+    CHANNEL_MOTION,
     EXCHANGE_BY_GAS,
     EXCHANGE_RATE,
     FLOW,
     GAS,
     NODE_A,
     PRESENT_B,
+    PRESSURE_BY_GAS,
+    PRESSURE_BY_MASS,
+    PRESSURE_BY_VOLUME,
     SystemArrays,
 )
-from toothspace.model.jacobian import add_flow_change, fill_jacobian
-from toothspace.solver.compiled_model import evaluate_state
+from toothspace.model.jacobian import add_flow_change, fill_rates
+from toothspace.model.system import evaluate
 
 
-def jacobian(t: float, state: Array, s: SystemArrays) -> Array:
+@inlined
+def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     """Derivatives of all rates with respect to the core states; energy rows are left out."""
-    matrix, basis = iteration_matrices(t, state, s)
-    full = np.asarray(matrix @ np.linalg.inv(basis))
-    add_composition(s, state, full)
-    return full
+    evaluate(s, state)
+    fill_rates(t, state, s, matrix)
+    _add_pressure_changes(s, matrix)
+    add_composition(s, state, matrix)
 
 
-def iteration_matrices(t: float, state: Array, s: SystemArrays) -> tuple[Array, Array]:
-    """Derivatives by the unknowns of the iteration, and the basis of these."""
-    matrix, basis = np.zeros((s.size.total, s.size.core)), np.eye(s.size.core)
-    evaluate_state(s, state)
-    fill_jacobian(t, state, s, matrix, basis)
-    return matrix, basis
+@inlined
+def _add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
+    """Turn derivatives at constant pressure into those at constant mass."""
+    node, values, size = s.node, s.chamber_values, s.size
+    for i in range(size.nodes):
+        d = s.dynamic_index[i]
+        if d < 0:
+            continue
+        by_pressure = matrix[:, size.mass + d] / node[i, PRESSURE_BY_MASS]
+        matrix[:, size.gas + d] += by_pressure * node[i, PRESSURE_BY_GAS]
+        if i < size.chambers:
+            by_volume = by_pressure * node[i, PRESSURE_BY_VOLUME]
+            for k in range(size.motions):
+                matrix[:, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
 
 
+@inlined
 def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives through density and gas content at constant pressure, by mass and gas mass."""
     size = s.size

@@ -159,6 +159,16 @@ def test_many_triangles_are_cut_in_seconds(tmp_path: Path) -> None:
     assert time.process_time() - start < 20.0
 
 
+def test_coordinates_that_are_no_numbers_are_refused_in_one_line(tmp_path: Path) -> None:
+    """A signalling NaN, which warns when it is cast."""
+    path = write_stl(tmp_path / "gear.stl", gear_mesh(points=40))
+    content = bytearray(path.read_bytes())
+    content[96:100] = b"\x01\x00\x80\x7f"
+    path.write_bytes(bytes(content))
+    with pytest.raises(GeometryError, match="found no finite triangles"):
+        find_gears(path, 1e-3)
+
+
 def step_gear(folder: Path) -> Path:
     path = folder / "gear.step"
     export_gear(generate_profile(InvoluteGear(9, 2.75e-3), 40), path, WIDTH)

@@ -217,6 +217,9 @@ def test_step_library_keeps_quiet(tmp_path, capfd):
     assert capfd.readouterr().out == ""
 
 
+ENDLESS_LINE = (
+    "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n11\n1e999\n21\n0\n0\nENDSEC\n0\nEOF\n"
+)
 WRONG_FILES = {
     "empty.txt": ("", "empty file"),
     "words.txt": ("alpha beta\ngamma delta\n", "no line with 2 or 3 numbers"),
@@ -227,6 +230,7 @@ WRONG_FILES = {
     "utf16.txt": (SQUARE.encode("utf-16"), "UTF-16"),
     "binary.txt": (bytes(range(256)), "binary file"),
     "no.dxf": ("this is no drawing", "no readable DXF"),
+    "inf.dxf": (ENDLESS_LINE, "a LINE that is not finite"),
     "short.stl": (b"\0" * 60, "60 bytes"),
     "truncated.stl": (b"\0" * 80 + struct.pack("<I", 12) + b"\0" * 300, "truncated STL"),
     "ascii.stl": ("solid gear\nfacet normal 0 0 1\nouter loop\n", "truncated ASCII STL"),

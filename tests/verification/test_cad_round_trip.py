@@ -24,7 +24,7 @@ def volume(description: MachineDescription) -> Array:
 
 @pytest.mark.parametrize(
     "suffix",
-    ["dxf", *(pytest.param(one, marks=pytest.mark.slow) for one in ("stl", "step")), "txt"],
+    ["dxf", *(pytest.param(one, marks=pytest.mark.slow) for one in ("stl", "step", "txt"))],
 )
 def test_exported_profile_gives_the_tables_back(
     tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch

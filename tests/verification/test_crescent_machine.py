@@ -68,6 +68,7 @@ def test_masses_and_energies_balance(case: Path, changes: dict[str, str]) -> Non
         assert 0.7 < found[name] < 1.0, name  # type: ignore[operator]
 
 
+@pytest.mark.slow
 def test_volumetric_efficiency_is_of_the_size_that_was_measured() -> None:
     """94.6 % with a pressed filler; wide gaps to a filler in the housing leak more."""
     pressed = run()["volumetric_efficiency"]
@@ -109,6 +110,7 @@ def test_a_notch_lets_pressure_in_before_the_outlet_opens() -> None:
     assert flows[1].mean() == pytest.approx(flows[0].mean(), rel=3e-3)
 
 
+@pytest.mark.slow
 def test_backflow_is_the_compression_of_the_spaces() -> None:
     """Missing outlet flow per space over volume and pressure: the compressibility of the liquid."""
     solution = solved(CASE, *_keys(NO_NOTCH))

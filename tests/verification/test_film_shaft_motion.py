@@ -72,6 +72,7 @@ def test_orbit_grows_only_beyond_the_critical_mass(factor: float, grows: bool) -
     assert (late > early) == grows
 
 
+@pytest.mark.slow
 def test_orbit_of_a_falling_shaft_has_second_order() -> None:
     """Free start without rotation: the error falls by four when the step is halved."""
     plain = replace(BEARING, grooves=(), cavitation="guembel")

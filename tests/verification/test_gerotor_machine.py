@@ -157,6 +157,7 @@ def test_open_film_ends_leak_to_the_drain():
     assert opened.journals[0].end_condition == "pressure"
 
 
+@pytest.mark.slow
 def test_walls_part_the_film_from_the_pockets():
     """Nothing passes the ends of the film, and no pocket pushes the rotor through it."""
     spec = machine(TROCHOIDAL)

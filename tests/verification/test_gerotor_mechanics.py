@@ -113,6 +113,7 @@ def test_published_tip_gap_leaks_as_its_fit(
     assert 0.97 < leakage[0] / leakage[1] < 1.05
 
 
+@pytest.mark.slow
 def test_single_contact_theory_hands_over_once_a_pitch(
     multiple: tuple[MachineDescription, Solution],
 ) -> None:

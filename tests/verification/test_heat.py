@@ -39,6 +39,7 @@ def test_network_leaves_the_run_as_it_is(network) -> None:
     assert numbers["drain_temperature_degC"] < adiabatic["drain_temperature_degC"] - 10.0
 
 
+@pytest.mark.slow
 def test_oil_stays_within_the_temperatures_of_real_machines(coupled) -> None:
     _, numbers = coupled
     assert 55.0 < numbers["drain_temperature_degC"] < 80.0

@@ -11,7 +11,7 @@ import pytest
 from scipy.special import jv
 
 from tests.conftest import REPOSITORY
-from tests.reference_formulas.full_jacobian import jacobian
+from tests.iteration_matrices import jacobian_of
 from toothspace import api
 from toothspace.case import Case
 from toothspace.case.plumbing import plumb
@@ -70,7 +70,7 @@ def solved_admittance(system: System, cells: int, frequencies: npt.ArrayLike) ->
     """Flows into the line per pressure at its near end, the far one held, from the Jacobian."""
     arrays, size = system.arrays, system.arrays.size
     state = start_state(system)
-    matrix = jacobian(0.0, state, arrays)
+    matrix = jacobian_of(system, state)
     places = node_places(system.description, system.condition)
     dynamic = {name: int(arrays.dynamic_index[k]) for name, k in places.items()}
     inner = [dynamic[f"line:{k}"] for k in range(1, cells)]

@@ -143,6 +143,7 @@ def cycle() -> Solution:
     return short_cycle("1e-7")
 
 
+@pytest.mark.slow
 def test_coarse_and_fine_tolerances_agree(cycle: Solution) -> None:
     """Ten times the tolerance changes no number by 0.1 %."""
     coarse, fine = short_cycle("1e-6").summary(), cycle.summary()

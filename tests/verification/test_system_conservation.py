@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.iteration_matrices import assert_within_patterns, slope_of_rates
+from tests.iteration_matrices import jacobian_of, slope_of_rates
 from tests.reference_formulas.full_jacobian import jacobian
 from tests.toy_machine import toy_machine
 from toothspace.model.assembly import System, assemble
@@ -41,15 +41,26 @@ def test_mass_closes_to_round_off_and_energy_to_tolerance(load_area: float) -> N
 def test_jacobian_is_the_derivative_of_the_rates() -> None:
     """Central differences of the core rates, in the error scale of each state."""
     system = toy_system(load_area=4e-6)
-    arrays, size = system.arrays, system.arrays.size
+    size = system.arrays.size
     state = march_revolutions(system, RunPlan(revolutions=1, samples_per_revolution=36)).states[17]
-    matrix = jacobian(0.0, state, arrays)
-    assert_within_patterns(system, state)
+    matrix = jacobian_of(system, state)
     for column in range(size.mass, size.core):
         step = 1e-7 * (state[size.mass] if column < size.gas else 1e-4 * state[size.mass])
         expected = slope_of_rates(system, state, column, step)[: size.core]
         scale = np.abs(expected).max() + 1e-6
         assert np.abs(matrix[: size.core, column] - expected).max() < 2e-3 * scale
+
+
+@pytest.mark.slow
+def test_jacobian_that_other_integrators_are_given_is_the_same() -> None:
+    """The benchmarks hand the compiled derivatives at constant mass to SciPy and SUNDIALS."""
+    system = toy_system(load_area=4e-6)
+    arrays, size = system.arrays, system.arrays.size
+    state = march_revolutions(system, RunPlan(revolutions=1, samples_per_revolution=36)).states[17]
+    full = np.zeros((size.total, size.core))
+    jacobian(0.0, state, arrays, full)
+    near = 1e-12 * np.abs(full).max()
+    np.testing.assert_allclose(jacobian_of(system, state), full, rtol=1e-9, atol=near)
 
 
 def test_start_state_holds_port_pressures() -> None:

@@ -43,7 +43,7 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
 
     extents = bbox.extents(entities, fast=True)
     size = float(extents.size.magnitude) if extents.has_data else 1.0
-    pieces = [_flattened(entity, size * _RELATIVE_SAGITTA) for entity in entities]
+    pieces = [_flattened(entity, size * _RELATIVE_SAGITTA, path) for entity in entities]
     pieces = [piece * unit for piece in pieces if len(piece) >= 2]
     return chain_closed(pieces, size * _RELATIVE_GAP * unit, str(path))
 
@@ -67,19 +67,23 @@ def _entities(path: Path, layer: str | None) -> list[Any]:
     return curves
 
 
-def _flattened(entity: Any, sagitta: float) -> Array:
+def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
     if entity.dxftype() in ("LWPOLYLINE", "POLYLINE"):
-        return _polyline(entity, sagitta)
+        return _polyline(entity, sagitta, path)
     if entity.dxftype() == "LINE":
         vertices = [entity.dxf.start, entity.dxf.end]
     else:
         vertices = list(entity.flattening(sagitta))
-    return np.array([[vertex.x, vertex.y] for vertex in vertices])
+    points = np.array([[vertex.x, vertex.y] for vertex in vertices])
+    if not np.all(np.isfinite(points)):
+        kind = entity.dxftype()
+        raise GeometryError(f"{path}: found a {kind} that is not finite, allowed numbers")
+    return points
 
 
-def _polyline(entity: Any, sagitta: float) -> Array:
+def _polyline(entity: Any, sagitta: float, path: Path) -> Array:
     # lines and arcs are flattened one by one, so that bulges stay true arcs
-    pieces = [_flattened(part, sagitta) for part in entity.virtual_entities()]
+    pieces = [_flattened(part, sagitta, path) for part in entity.virtual_entities()]
     pieces = [piece for piece in pieces if np.ptp(piece, axis=0).max() > 0.0]
     if not pieces:
         return np.zeros((0, 2))

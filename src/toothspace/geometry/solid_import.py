@@ -61,8 +61,9 @@ def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
     trimesh = package_of_extra("trimesh", "cad", f"{path}: found an STL file")
     _check_stl(path)
     try:
-        loaded = trimesh.load_mesh(path, file_type="stl", process=False)
-        triangles = np.asarray(loaded.triangles, dtype=float) * unit
+        with np.errstate(all="ignore"):  # numbers that are none are refused below
+            loaded = trimesh.load_mesh(path, file_type="stl", process=False)
+            triangles = np.asarray(loaded.triangles, dtype=float) * unit
     except Exception as error:
         raise GeometryError(f"{path}: found no readable STL ({error}), allowed STL") from error
     if len(triangles) == 0 or not np.all(np.isfinite(triangles)):
