@@ -22,7 +22,7 @@ from toothspace.model.description import (
     LumpedLateralFilm,
     MachineDescription,
 )
-from toothspace.numerics.periodic_table import hermite_coefficients
+from toothspace.numerics.periodic_table import cubic_coefficients
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
@@ -198,7 +198,7 @@ def _spline(values: Array) -> Array:
     total = np.where(product > 0.0, difference[1:] + difference[:-1], 1.0)
     slope[1:-1] = np.where(product > 0.0, 2.0 * product / total, 0.0)
     slope[-1] = difference[-1]
-    return np.stack(hermite_coefficients(values[:-1], values[1:], slope[:-1], slope[1:]), axis=1)
+    return np.stack(cubic_coefficients(values[:-1], values[1:], slope[:-1], slope[1:]), axis=1)
 
 
 def lateral_torque_coefficient(description: MachineDescription) -> float:

@@ -11,7 +11,7 @@ from toothspace.core.compiled import kernel, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.machine_parts import ChamberFamily, FlowPath
-from toothspace.numerics.periodic_table import PeriodicTable, hermite_coefficients
+from toothspace.numerics.periodic_table import PeriodicTable, cubic_coefficients
 
 OFFSET, NODES, CHANNELS = range(3)
 
@@ -169,7 +169,7 @@ def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
     for table in tables:
         v, s = table.values, table.period / table.values.shape[0] * table.slopes
         ends = np.roll(v, -1, axis=0), s, np.roll(s, -1, axis=0)
-        blocks.append(np.stack(hermite_coefficients(v, *ends), axis=1).ravel())
+        blocks.append(np.stack(cubic_coefficients(v, *ends), axis=1).ravel())
     offset = np.concatenate(([0], np.cumsum([block.size for block in blocks])[:-1]))
     shapes = np.array([table.values.shape for table in tables], dtype=np.int64)
     return TableBank(

@@ -52,13 +52,13 @@ class PeriodicTable:
         following = (index + 1) % nodes
         v0, v1 = self.values[index], self.values[following]
         s0, s1 = step * self.slopes[index], step * self.slopes[following]
-        _, _, c2, c3 = hermite_coefficients(v0, v1, s0, s1)
+        _, _, c2, c3 = cubic_coefficients(v0, v1, s0, s1)
         if derivative:
             return (s0 + t * (2.0 * c2 + 3.0 * t * c3)) / step
         return v0 + t * (s0 + t * (c2 + t * c3))
 
 
-def hermite_coefficients(v0: Array, v1: Array, s0: Array, s1: Array) -> tuple[Array, ...]:
+def cubic_coefficients(v0: Array, v1: Array, s0: Array, s1: Array) -> tuple[Array, ...]:
     """Coefficients of the powers 0 to 3 of cubics from values and slopes at 0 and 1."""
     return v0, s0, 3.0 * (v1 - v0) - 2.0 * s0 - s1, s0 + s1 - 2.0 * (v1 - v0)
 
