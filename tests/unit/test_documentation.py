@@ -218,19 +218,14 @@ def on_the_way(page: str) -> list[object]:
     return [marked(p.stem) for p in sorted(folder.glob(f"*.{suffix}")) if p.stem != "index"]
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.parametrize("name", on_the_way("page"))
 def test_tutorial_runs(
-    name: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    request: pytest.FixtureRequest,
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """All commands and scripts in their order; printed numbers are within 10 % of the page."""
     if name == "own_step_pair":
         pytest.importorskip("OCP", reason="STEP files need the extra cad")
-    if name != "first_pump":
-        request.getfixturevalue("few_figures")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     shown: dict[str, float] = {}

@@ -108,6 +108,7 @@ def test_odd_rings_need_no_more_iterations(rows: int) -> None:
     assert _iterations(balance, free, rhs, 1e-10) <= 13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ring", [True, False])
 @pytest.mark.parametrize("rows", [1500, 1501])
 def test_blocks_and_tiles_do_the_same_as_passes_over_the_whole_level(
