@@ -57,7 +57,7 @@ def start(arguments: list[str], before: Callable[[], None] | None = None) -> psu
         if before is not None:
             before()
 
-    command = [sys.executable, "-m", "toothspace", *arguments]
+    command = [sys.executable, "-B", "-m", "toothspace", *arguments]
     return psutil.Popen(
         command,
         cwd=REPOSITORY,
@@ -154,7 +154,7 @@ def on_small_disks(whole: Path) -> Iterator[str]:
                     (folder / inner).mkdir()
                 for copy in (folder / "whole.nc", folder / "out" / "whole.nc"):
                     copy.write_bytes(whole.read_bytes())
-                words = [sys.executable, "-m", "toothspace", *commands(folder / "out")[name]]
+                words = [sys.executable, "-B", "-m", "toothspace", *commands(folder / "out")[name]]
                 setting = (
                     f"export TMPDIR={place}/tmp; {mount.format(place)}; exec {shlex.join(words)}"
                 )
@@ -181,7 +181,7 @@ def with_cache(whole: Path, draw: random.Random) -> Iterator[str]:
         def run(number: int) -> subprocess.Popen[str]:
             arguments = commands(folder)["run"]
             arguments[3] = f"{folder}/{number}.nc"
-            command = [sys.executable, "-m", "toothspace", *arguments]
+            command = [sys.executable, "-B", "-m", "toothspace", *arguments]
             return subprocess.Popen(
                 command, cwd=REPOSITORY, env=setting, text=True,
                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 import time
+import weakref
 from importlib import import_module
 from pathlib import Path
 
@@ -112,6 +113,21 @@ def test_a_signal_inside_an_import_waits_for_its_end(
     with ending_interrupts(), pytest.raises(KeyboardInterrupt):
         body()
     assert sys.modules.pop("slowly_imported").done
+
+
+def test_a_signal_where_exceptions_are_ignored_is_not_lost(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def body() -> None:
+        gone = threading.Event()
+        watch = weakref.ref(gone, lambda _: signal.raise_signal(signal.SIGTERM))
+        del gone
+        time.sleep(10.0)
+        assert watch() is None
+
+    with ending_interrupts(), pytest.raises(KeyboardInterrupt):
+        body()
+    assert "Traceback" not in capsys.readouterr().err
 
 
 def test_other_threads_are_left_alone() -> None:

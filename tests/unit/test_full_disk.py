@@ -61,7 +61,7 @@ sys.exit(main(["run", case, "-o", f"{sys.argv[2]}/disk/result.nc", "--json"]))
 
 def limited(program: str, size: int, folder: Path) -> subprocess.CompletedProcess[str]:
     """Run a program that may write files of so many bytes only."""
-    return started([sys.executable, "-c", _LIMITED + program, str(size), str(folder)])
+    return started([sys.executable, "-B", "-c", _LIMITED + program, str(size), str(folder)])
 
 
 def started(command: list[str]) -> subprocess.CompletedProcess[str]:
@@ -112,7 +112,7 @@ def test_a_run_into_a_full_disk_keeps_its_numbers_elsewhere(tmp_path: Path) -> N
     inside = ["unshare", "-rm", "sh", "-c", own_disk + '"$@"', "sh"]
     if shutil.which("unshare") is None or started([*inside, "true"]).returncode:
         pytest.skip("no disk of its own can be made here")
-    run = started([*inside, sys.executable, "-c", program, "0", str(tmp_path)])
+    run = started([*inside, sys.executable, "-B", "-c", program, "0", str(tmp_path)])
     assert run.returncode == 2, run.stderr
     assert "No space left on device" in run.stderr
     (kept,) = spare.iterdir()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _thread
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -75,8 +76,19 @@ def ending_interrupts() -> Iterator[None]:
     defaults = {number: handler for number, handler in before.items() if handler in usual}
     for number in defaults:
         signal.signal(number, end_program)
+    hook = sys.unraisablehook
+
+    def again(ignored: sys.UnraisableHookArgs) -> None:
+        # raised in a destructor or the callback of a weak reference, it would be lost
+        if ignored.exc_type is KeyboardInterrupt:
+            _thread.start_new_thread(_signal_again, (signal.SIGINT,))
+        else:
+            hook(ignored)
+
+    sys.unraisablehook = again
     try:
         yield
     finally:
+        sys.unraisablehook = hook
         for number, handler in defaults.items():
             signal.signal(number, handler)
