@@ -80,8 +80,8 @@ def ending_interrupts() -> Iterator[None]:
 
     def again(ignored: sys.UnraisableHookArgs) -> None:
         # raised in a destructor or the callback of a weak reference, it would be lost
-        if ignored.exc_type is KeyboardInterrupt:
-            _thread.start_new_thread(_signal_again, (signal.SIGINT,))
+        if ignored.exc_type is KeyboardInterrupt and defaults:
+            _thread.start_new_thread(_signal_again, (next(iter(defaults)),))
         else:
             hook(ignored)
 
