@@ -165,10 +165,12 @@ def _leaning(
 
 
 def _viscous(stack: Stack, balance: Balance) -> float:
-    """Largest force of the films' damping on a lift. [N]."""
+    """Largest force of the films' damping on a lift; infinite where no film damps a motion. [N]."""
     assert balance.jacobian is not None
-    force = balance.jacobian[1] @ balance.velocity
-    return float(np.abs(force[::3]).max())
+    damping = balance.jacobian[1]
+    if balance.velocity.any() and not damping.any():
+        return np.inf
+    return float(np.abs(damping @ balance.velocity)[::3].max())
 
 
 def march_angles(
@@ -238,6 +240,8 @@ def growing_motion(
     matrices = -basis.T @ stiffness @ basis, basis.T @ damping @ basis
     (force, drag), shapes = eig(*matrices, homogeneous_eigvals=True)
     damped = np.abs(drag) > _UNDAMPED * np.abs(drag).max()
+    if not damped.any():
+        return 0.0, np.zeros(stack.size)
     rates, shapes = force[damped] / drag[damped], shapes[:, damped]
     tipping = np.where(np.abs(rates.imag) < rates.real, rates.real, -np.inf)
     k = int(np.argmax(tipping))
