@@ -32,7 +32,7 @@ PUBLISHED_RATIO = 4.0
 """Start-up pressure over the largest operational pressure, "almost 400 %". [-]"""
 
 
-START_ANGLE_SCATTER = 0.05
+START_ANGLE_SCATTER = 0.08
 """Change of the breakaway pressure with the start angle, on either side of its mean. [-]"""
 
 
