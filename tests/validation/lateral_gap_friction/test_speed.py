@@ -63,15 +63,15 @@ def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
 def test_claims_about_nose_and_speed_on_the_shipped_case() -> None:
     """Low pressure fast, low pressure slow, high pressure fast, five nose pressures each.
 
-    Against the source, friction holds the bearing at low pressure and speed, and speed is more
-    than secondary (claim ``fuel_pump_nose`` of the validation book, which fails).
+    Against the source, speed is more than secondary (claim ``fuel_pump_nose`` of the validation
+    book, which fails).
     """
     study = solve_conditions(load_case(CASES / "nose_pressure.toml"))
     assert study.status is Status.DONE
-    position = np.array([point.numbers.position for point in study.points]).reshape(3, 5)
-    fast, slow, high = position
+    fast, slow, high = np.array([p.numbers.position for p in study.points]).reshape(3, 5)
     assert np.ptp(fast) > TELL
+    assert np.ptp(slow) > TELL
     assert np.ptp(high) < TELL
-    held = [abs(p.numbers.friction_force) / p.breakaway_force for p in study.points[5:10]]
-    assert np.ptp(slow) < TELL
-    assert 0.3 < min(held) < max(held) < 0.8
+    held = [abs(p.numbers.friction_force) / p.breakaway_force for p in study.points[10:]]
+    assert max(held) < 0.8
+    assert abs(fast[0] - slow[0]) > np.ptp(slow)
