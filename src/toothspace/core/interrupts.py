@@ -62,7 +62,11 @@ def end_program(number: int, frame: FrameType | None) -> None:
 
 def _signal_again(number: int) -> None:
     time.sleep(_PAUSE)
-    signal.raise_signal(number)
+    first = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and first is not None:
+        signal.pthread_kill(first, number)  # wakes it where it waits
+    else:
+        signal.raise_signal(number)
 
 
 @contextmanager
