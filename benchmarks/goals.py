@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import json
 import re
-import resource
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -39,17 +38,11 @@ Row = tuple[str, str, str, bool]
 """What, what is asked, what is reached, and whether that is what was asked."""
 
 
-def _spent() -> float:
-    """Processor time of this process and its ended children. [s]."""
-    own, others = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return own.ru_utime + own.ru_stime + others.ru_utime + others.ru_stime
-
-
 def spent(run: Callable[[], object]) -> float:
     """Processor time of a run in all threads and processes. [s]."""
-    began = _spent()
+    began = scaling.processor_seconds()
     run()
-    return _spent() - began
+    return float((scaling.processor_seconds() - began).sum())
 
 
 def motor() -> Row:

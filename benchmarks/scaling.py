@@ -170,14 +170,18 @@ def workers() -> list[str]:
     return lines
 
 
+def processor_seconds() -> np.ndarray:
+    """Processor time of this process, and of its children that ended. [s]."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return np.array([one.ru_utime + one.ru_stime for one in used])
+
+
 def study_seconds(case: ts.Case, count: int) -> tuple[float, float]:
     """Processor time of a study in all processes, and in its workers."""
-    before = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    before = processor_seconds()
     run_study(case, workers=count)
-    after = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    spent = [b.ru_utime + b.ru_stime - a.ru_utime - a.ru_stime
-             for a, b in zip(before, after, strict=True)]  # fmt: skip
-    return sum(spent), spent[1]
+    spent = processor_seconds() - before
+    return float(spent.sum()), float(spent[1])
 
 
 PARTS = {"cells": cells, "teeth": teeth, "tolerance": tolerance, "workers": workers}
