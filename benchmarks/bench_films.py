@@ -18,6 +18,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from toothspace.core.compiled import njit
+from toothspace.core.processes import threads
 from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
 from toothspace.films.reynolds.equation import film_balance
 from toothspace.numerics.complementarity import assemble
@@ -28,7 +29,6 @@ from toothspace.numerics.linear_system import (
     iterative_system,
 )
 from toothspace.numerics.multigrid import MultigridPreconditioner
-from toothspace.numerics.multigrid_cycle import THREADS
 from toothspace.numerics.structured_grid import CellBalance
 
 SIZES = ((480, 64), (960, 128), (1600, 192), (2000, 500))
@@ -219,7 +219,9 @@ def bandwidths(cells: int, count: int, milliseconds: float) -> tuple[float, floa
 
 
 def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
-    print(f"Masked lateral film, residual 1e-8, {THREADS} thread(s); a triad of the same size, one")
+    print(
+        f"Masked lateral film, residual 1e-8, threads: {threads()}; a triad of the same size, one"
+    )
     print("      cells   setup   solve    warm  iterations  us/cell  GB/s  triad  fraction")
     for rows, lanes in sizes:
         balance, free = toothed_film(rows, lanes)

@@ -15,20 +15,22 @@ whose memory is reported; OMP_NUM_THREADS sets its cores.
 from __future__ import annotations
 
 import multiprocessing
+import os
 import resource
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 
 from toothspace.api import set_up
 from toothspace.case import Case, load_case
+from toothspace.core.processes import threads
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
 from toothspace.films.lateral.motion import Balance
-from toothspace.numerics import multigrid_cycle
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.coupling import PointRequest, couple_point
 from toothspace.simulation.lateral.problem import LateralProblem, LateralTrack, lateral_problem
@@ -113,7 +115,7 @@ def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -
     worst = max(march.residuals)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(
-        f"  {deformation:8s} 2 x {cells // 2:7d} {multigrid_cycle.THREADS:7d} {wall / steps:8.3f} "
+        f"  {deformation:8s} 2 x {cells // 2:7d} {threads():7d} {wall / steps:8.3f} "
         f"{found.used / steps:10.3f} "
         f"{iterations:10.1f} {cells * iterations * steps / wall / 1e6:12.2f} "
         f"{found.before + wall / steps * (STEPS - warm):10.0f} {worst:9.1e} "
@@ -144,10 +146,9 @@ def report(grids: tuple[tuple[int, int], ...] = GRIDS) -> None:
         row(setting, grid, "winkler", SAMPLED)
     for grid in sorted({grids[0], grids[-1]}):
         row(setting, grid, "bodies", SAMPLED)
-    available, multigrid_cycle.THREADS = multigrid_cycle.THREADS, 1
-    if available > 1:
-        row(setting, grids[-1], "winkler", SAMPLED)
-    multigrid_cycle.THREADS = available
+    if threads() > 1:
+        with patch.dict(os.environ, TOOTHSPACE_THREADS="1"):
+            row(setting, grids[-1], "winkler", SAMPLED)
 
 
 def fine_body(name: str) -> ElasticBody:

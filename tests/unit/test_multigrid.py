@@ -16,7 +16,7 @@ from toothspace.films.journal.geometry import (
     journal_mesh,
 )
 from toothspace.films.reynolds.equation import FluidField, film_balance
-from toothspace.numerics import linear_system, multigrid, multigrid_cycle
+from toothspace.numerics import linear_system, multigrid_cycle
 from toothspace.numerics.banded import stencil_product, stencil_products
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity
 from toothspace.numerics.krylov import gmres
@@ -121,7 +121,7 @@ def test_blocks_and_tiles_do_the_same_as_passes_over_the_whole_level(
     rhs = np.random.default_rng(2).normal(size=(rows, 30))
     cycles = []
     for threads, resident in ((1, 10**9), (1, 0), (2, 0)):
-        monkeypatch.setattr(multigrid, "THREADS", threads)
+        monkeypatch.setenv("TOOTHSPACE_THREADS", str(threads))
         monkeypatch.setattr(multigrid_cycle, "RESIDENT", resident)
         monkeypatch.setattr(multigrid_cycle, "TILE", 1)
         cycles.append(MultigridPreconditioner(balance, free).apply(rhs))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -13,7 +14,13 @@ from typing import Any
 from toothspace.core.errors import CaseError
 from toothspace.core.interrupts import ENDING
 
-_ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+_THREADS = "TOOTHSPACE_THREADS"
+_ONE_THREAD = (_THREADS, "NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+
+
+def threads() -> int:
+    """Threads that compute large fields: two, where there are two cores, or as the user asks."""
+    return int(os.environ.get(_THREADS, min(2, os.cpu_count() or 1)))
 
 
 def start_worker() -> None:
@@ -26,7 +33,17 @@ def start_worker() -> None:
         signal.signal(number, signal.SIG_IGN)
     for name in _ONE_THREAD:
         os.environ[name] = "1"
+    if "numba" in sys.modules:
+        _read_again(sys.modules["numba"])
     threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _read_again(numba: Any) -> None:
+    """Let Numba take its number of threads from the environment now, not with a later function."""
+    try:
+        numba.config.reload_config()
+    except RuntimeError:  # a fork of a process with threads: what they are told is refused
+        del os.environ["NUMBA_NUM_THREADS"]
 
 
 def _end_with_parent() -> None:

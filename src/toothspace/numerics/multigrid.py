@@ -15,9 +15,10 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.compiled import inlined, njit
+from toothspace.core.processes import threads
 from toothspace.core.types import Array, BoolArray
 from toothspace.numerics.colouring import ColouredGrid, coloured_grid, fetch, store, stored
-from toothspace.numerics.multigrid_cycle import CHUNK, THREADS, Level, Single, cycle, grid_of
+from toothspace.numerics.multigrid_cycle import CHUNK, Level, Single, cycle, grid_of
 from toothspace.numerics.structured_grid import CellBalance
 from toothspace.numerics.vectors import norm
 
@@ -173,7 +174,7 @@ def _level(c: _Conductances, grid: ColouredGrid, merges: tuple[int, int], *, pla
     store(grid, diagonal, inverse)
     x, b = np.zeros(stored(grid), dtype=np.float32), np.zeros(stored(grid), dtype=np.float32)
     rows = np.zeros((grid.rows, grid.lanes + 2 if plain else 0), dtype=np.float32)
-    work = np.zeros((max(1, THREADS), max(CHUNK, grid.lanes + 2)), dtype=np.float32)
+    work = np.zeros((max(1, threads()), max(CHUNK, grid.lanes + 2)), dtype=np.float32)
     return Level(*grid, gx, gy, inverse, x, b, np.zeros_like(x[0]), rows, work, *merges)
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toothspace.core.compiled import inlined, kernel, njit, prange
+from toothspace.core.processes import threads
 from toothspace.numerics.colouring import (
     ColouredGrid,
     close_ring,
@@ -33,8 +34,6 @@ from toothspace.numerics.colouring import (
 
 Single = NDArray[np.float32]
 
-THREADS = int(os.environ.get("TOOTHSPACE_THREADS", min(2, os.cpu_count() or 1)))
-"""Threads of one cycle. [-]"""
 # waiting threads must sleep: on a busy machine spinning ones take the time of those that work
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 _ONE_AT_A_TIME = threading.Lock()
@@ -59,7 +58,7 @@ def parallel_loops() -> Iterator[None]:
     """Let loops run on the threads of a cycle, those of one Python thread at a time."""
     with _ONE_AT_A_TIME:
         before = numba.get_num_threads()
-        numba.set_num_threads(min(max(1, THREADS), before))
+        numba.set_num_threads(min(max(1, threads()), before))
         yield
         numba.set_num_threads(before)
 

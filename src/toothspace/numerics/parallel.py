@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
-from toothspace.numerics import multigrid_cycle
+from toothspace.core.processes import threads
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -30,9 +30,9 @@ def in_parallel(one: Callable[[S], T], cases: Iterable[S], size: int) -> tuple[T
     size : int
         Cells of the field of one case. [-]
     """
-    if multigrid_cycle.THREADS < 2 or size < _LARGE:
+    if threads() < 2 or size < _LARGE:
         return tuple(map(one, cases))
-    return tuple(_threads(multigrid_cycle.THREADS).map(one, cases))
+    return tuple(_threads(threads()).map(one, cases))
 
 
 @lru_cache(maxsize=2)
