@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.numerics.banded import stencil_products
-from toothspace.numerics.linear_system import PRESCRIBED, TIGHT, LinearSystem, refined
+from toothspace.numerics.krylov import combined, extend, first_column
+from toothspace.numerics.linear_system import (
+    LEAST_CORRECTION,
+    PRESCRIBED,
+    STALLED,
+    TIGHT,
+    LinearSystem,
+)
+from toothspace.numerics.vectors import norm
 
 _OVERLAP = 24
 """Rows that the cut ring is run through twice, so that it hardly notices the cut. [-]"""
@@ -25,8 +33,8 @@ _OTHER = 100.0
 """Ratio of diagonals from which a cell holds another unknown than before. [-]"""
 _ROUGH = 1e-3
 """Residual over right-hand side from which one solution with the blocks is tried first. [-]"""
-_ROUNDS = (6, 0.5, 40)
-"""Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""
+_ROUNDS, _SHARE, _MOST = 6, 0.5, 40
+"""Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations. [-]"""
 
 Single = NDArray[np.float32]
 
@@ -288,6 +296,41 @@ def _left(stencil: Array, x: Array, sides: Array, shape: tuple[int, int]) -> Arr
     return out
 
 
+@njit(nogil=True, error_model="numpy")
+def _refine(
+    stencil: Array, blocks: Blocks, unit: Array, sides: Array, x: Array, relative_tolerance: float
+) -> int:
+    """Correct solutions in place as :func:`~linear_system.refined` does; most iterations."""
+    rows, lanes = blocks.known.shape
+    size, effort = sides.shape[1], 0
+    basis, images = np.empty((_MOST + 1, size)), np.empty((_MOST, size))
+    for k in range(len(sides)):
+        left, former = norm(sides[k]), np.inf
+        goal = relative_tolerance * left
+        rest = sides[k] - stencil_products(stencil, x[k : k + 1], rows, lanes)[0]
+        if norm(rest) < left:
+            left = norm(rest)
+        else:
+            x[k], rest[:] = 0.0, sides[k]
+        for _ in range(_ROUNDS):
+            if not (left > goal and left < STALLED * former):
+                break
+            limit = max(_SHARE * goal, LEAST_CORRECTION * left)
+            projected = first_column(_MOST, left)
+            basis[0] = rest / left
+            count, missing = 0, left
+            while count < _MOST and missing > limit:
+                images[count] = _substitute(blocks, unit, basis[count])
+                w = stencil_products(stencil, images[count : count + 1], rows, lanes)[0]
+                missing = extend(basis, projected, count, w)
+                count += 1
+            x[k] += combined(images, projected, count)
+            effort = max(effort, count)
+            rest = sides[k] - stencil_products(stencil, x[k : k + 1], rows, lanes)[0]
+            former, left = left, norm(rest)
+    return effort
+
+
 @final
 class BlockSystem:
     """Five-point matrix of a ring of cells with the eliminated rows of itself or of one nearby.
@@ -314,24 +357,18 @@ class BlockSystem:
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
-        sides = rhs.reshape(-1, rhs.shape[-1])
-        known, goal = None if start is None else start.reshape(sides.shape), relative_tolerance
-        if known is None and goal >= _ROUGH:
+        sides = np.ascontiguousarray(rhs.reshape(-1, rhs.shape[-1]))
+        x, goal = np.zeros(sides.shape), relative_tolerance
+        if start is not None:
+            x[:] = start.reshape(sides.shape)
+        elif goal >= _ROUGH:
             # blocks of a matrix nearby are often enough by themselves
-            known, self.effort = self._precondition(sides), 1
-            left = _left(self._stencil, known, sides, self.blocks.known.shape)
-            if (left <= goal).all():
-                return known.reshape(rhs.shape)
-        x, self.effort = refined(self._product, self._precondition, sides, known, goal, _ROUNDS)
+            x[:] = [_substitute(self.blocks, self._unit, side) for side in sides]
+            self.effort = 1
+            if (_left(self._stencil, x, sides, self.blocks.known.shape) <= goal).all():
+                return x.reshape(rhs.shape)
+        self.effort = _refine(self._stencil, self.blocks, self._unit, sides, x, goal)
         return x.reshape(rhs.shape)
-
-    def _precondition(self, sides: Array) -> Array:
-        if len(sides) == 1:
-            return np.asarray(_substitute(self.blocks, self._unit, sides[0]))[None]
-        return np.array([_substitute(self.blocks, self._unit, rhs) for rhs in sides])
-
-    def _product(self, x: Array) -> Array:
-        return np.asarray(stencil_products(self._stencil, x, *self.blocks.known.shape))
 
 
 def block_system(

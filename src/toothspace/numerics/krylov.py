@@ -71,8 +71,7 @@ class _Space:
         self._basis = np.empty((_FIRST + 1, rhs.size))
         self._basis[0] = rhs / size if size > 0.0 else rhs
         self._images = np.empty((_FIRST, rhs.size))
-        self._projected = np.zeros((_FIRST + 3, _FIRST + 1))
-        self._projected[-1, 0] = size
+        self._projected = first_column(_FIRST, size)
         self._count = 0
         self._limit = limit
         self.finished = size == 0.0
@@ -87,7 +86,7 @@ class _Space:
         if self._count == len(self._images):
             self._enlarge()
         self._images[self._count] = image
-        left = _extend(self._basis, self._projected, self._count, w)
+        left = extend(self._basis, self._projected, self._count, w)
         self._count += 1
         self.finished = not left > self._limit
 
@@ -101,15 +100,23 @@ class _Space:
 
     def solution(self) -> Array:
         """Combination of the images that leaves the smallest residual."""
-        return np.asarray(_combined(self._images, self._projected, self._count))
+        return np.asarray(combined(self._images, self._projected, self._count))
 
 
 _FIRST = 20
 """Iterations that a Krylov space has room for at first; one that grows is copied. [-]"""
 
 
+@njit(nogil=True)
+def first_column(iterations: int, size: float) -> Array:
+    """Projected problem of a right-hand side of given length, before the first iteration."""
+    projected = np.zeros((iterations + 3, iterations + 1))
+    projected[-1, 0] = size
+    return projected
+
+
 @njit(nogil=True, error_model="numpy")
-def _extend(basis: Array, projected: Array, count: int, w: Array) -> float:
+def extend(basis: Array, projected: Array, count: int, w: Array) -> float:
     """Modified Gram-Schmidt and the rotation of the new column; returns what is left.
 
     The last three rows of ``projected`` hold the cosines, the sines and the rotated right-hand
@@ -136,7 +143,7 @@ def _extend(basis: Array, projected: Array, count: int, w: Array) -> float:
 
 
 @njit(nogil=True, error_model="numpy")
-def _combined(images: Array, projected: Array, count: int) -> Array:
+def combined(images: Array, projected: Array, count: int) -> Array:
     """Solution of the triangular system, as a sum of the images."""
     x, factors = np.zeros(images.shape[1]), projected[-1, :count].copy()
     for m in range(count - 1, -1, -1):

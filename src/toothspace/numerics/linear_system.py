@@ -38,7 +38,7 @@ TOGETHER = 1_000_000
 """Unknowns of all right-hand sides that are iterated together: each needs a Krylov space. [-]"""
 _ROUNDED = 1e-14
 """Relative residual of a finished solution with a band, which costs it an iteration more. [-]"""
-_STALLED = 0.5
+STALLED = 0.5
 """Part of its residual to which a round must bring a solution for another one to follow. [-]"""
 _DIRECT_ROUNDS = (3, 0.5, 60)
 _ITERATIVE_ROUNDS = (6, 0.3, 40)
@@ -153,7 +153,7 @@ def refined(
         x[better], remainder = start[better], np.where(better[:, None], left, sides)
         sizes = _lengths(remainder)
     for _ in range(most):
-        poor = np.flatnonzero((sizes > goals) & (sizes < _STALLED * former))
+        poor = np.flatnonzero((sizes > goals) & (sizes < STALLED * former))
         if poor.size == 0:
             break
         within = np.maximum(share * goals[poor], LEAST_CORRECTION * sizes[poor])

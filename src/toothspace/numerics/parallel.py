@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from typing import TypeVar
 
@@ -12,14 +13,19 @@ from threadpoolctl import ThreadpoolController
 
 from toothspace.core.processes import threads
 
+_INSIDE: ContextVar[bool] = ContextVar("inside", default=False)
+"""Whether this is one of the threads, which do not wait for each other."""
+
 S = TypeVar("S")
 T = TypeVar("T")
-_LARGE = 10_000
-"""Cells of a field from which a thread of its own pays. [-]"""
+_LARGE = 8_000
+"""Cells of a case from which a thread of its own pays. [-]"""
 
 
 def in_parallel(one: Callable[[S], T], cases: Iterable[S], size: int) -> tuple[T, ...]:
     """Outcome of a function for every case; cases of large fields at the same time.
+
+    A call inside of such a case computes on the thread of that case.
 
     Parameters
     ----------
@@ -28,17 +34,18 @@ def in_parallel(one: Callable[[S], T], cases: Iterable[S], size: int) -> tuple[T
     cases : iterable
         What it is called with.
     size : int
-        Cells of the field of one case. [-]
+        Cells of the fields of one case. [-]
     """
-    if threads() < 2 or size < _LARGE:
-        return tuple(map(one, cases))
-    return tuple(_threads(threads()).map(one, cases))
+    several = tuple(cases)
+    if len(several) < 2 or threads() < 2 or size < _LARGE or _INSIDE.get():
+        return tuple(map(one, several))
+    return tuple(_threads(threads()).map(one, several))
 
 
 @lru_cache(maxsize=2)
 def _threads(count: int) -> ThreadPoolExecutor:
     """Threads to work on; to start them takes as long as a tenth of a pass of a film."""
-    return ThreadPoolExecutor(count)
+    return ThreadPoolExecutor(count, initializer=lambda: _INSIDE.set(True))
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import NamedTuple, final
 
 import numpy as np
@@ -84,6 +85,10 @@ class DeformationResponse:
         return [p.combine(s) for p, s in zip(self.basis, parts, strict=True)]
 
 
+_AT_A_TIME = 200_000
+"""Cells of the changes that are held at a time for one film: each takes six fields. [-]"""
+
+
 class Fineness(NamedTuple):
     """Basis functions whose response is kept, and for how many phases of a tooth pitch."""
 
@@ -116,7 +121,12 @@ def response(
 
     def one(k: int) -> Array:
         film, asked = state.films[k], basis[k].gap_changes(frequency)
-        return np.array([film.pressure_changes([lift], accuracy)[0] for lift in asked])
+        several = max(1, _AT_A_TIME // size)
+        found = np.empty((basis[k].count, *film.gap.shape))
+        for first in range(0, len(found), several):
+            part = list(islice(asked, several))
+            found[first : first + several] = film.pressure_changes(part, accuracy)
+        return found
 
     changes = in_parallel(one, films, size)
     loads = [_loads(film, c) for film, c in zip(state.films, changes, strict=True)]
@@ -167,13 +177,17 @@ def next_deformation(
     low : float
         Pressure under which nothing deforms. [Pa]
     """
-    change, found = 0.0, []
-    for state, old in zip(states, used, strict=True):
-        new = state.stack.compliance.distant(state.face_pressures(low), state.snapshot)
+
+    def one(n: int) -> list[Array]:
+        state = states[n]
+        return state.stack.compliance.distant(state.face_pressures(low), state.snapshot)
+
+    change, cells = 0.0, states[0].stack.cells
+    found = list(in_parallel(one, range(len(states)), cells))
+    for state, new, old in zip(states, found, used, strict=True):
         for film, a, b in zip(state.films, new, old, strict=True):
             floor = max(film.law.roughness, 1e-8)
             change = max(change, _largest(a, b, film.gap, film.boundary.mask.node, floor))
-        found.append(new)
     return found, change
 
 
@@ -257,11 +271,14 @@ class DeformationIteration:
         """Stiffness and damping of the films, with the predicted deformation if there is one."""
         if self._fineness is None:
             return mean_coefficients(states)
-        found: dict[int, DeformationResponse] = {}
-        for phase, state in zip(self._phases, states, strict=True):
-            if phase not in found:
-                found[phase] = response(state, self._fineness, self._frequency, _SERVING)
-        self.responses |= found
+        own = dict(zip(reversed(self._phases), reversed(states), strict=True))
+        fineness = self._fineness
+
+        def one(state: StackState) -> DeformationResponse:
+            return response(state, fineness, self._frequency, _SERVING)
+
+        cells = states[0].stack.cells
+        self.responses |= zip(own, in_parallel(one, own.values(), cells), strict=True)
         return mean_coefficients(self._own)
 
     def pull(self) -> Array | float:
@@ -325,7 +342,8 @@ def film_coefficients(
     """Stiffness and damping of films, with the predicted deformation if there is one."""
     if fineness is None:
         return mean_coefficients(states)
-    return mean_coefficients([response(state, fineness, 0.0) for state in states])
+    cells = states[0].stack.cells
+    return mean_coefficients(in_parallel(lambda s: response(s, fineness, 0.0), states, cells))
 
 
 def overstep(states: Sequence[StackState], step: Array, openings: Fields | None = None) -> float:

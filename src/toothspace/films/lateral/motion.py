@@ -205,10 +205,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
         films = quick if number % _PATIENCE else stack
-        states = tuple(
-            films.solve(snapshot, q, v, old, given, task.previous)
-            for snapshot, old, given in zip(task.snapshots, states, deformation.used, strict=True)
-        )
+        states = films.solve_all(task.snapshots, q, v, states, deformation.used, task.previous)
         settled = all(s.converged for s in states)
         failures = 0 if settled or films is not stack else failures + 1
         if failures > _MOST_FAILURES:

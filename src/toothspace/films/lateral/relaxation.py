@@ -84,10 +84,7 @@ def relax(
 
     def point(q: Array, former: Sequence[StackState], distant: Fields) -> _Point:
         still = np.zeros(stack.size)
-        states = tuple(
-            stack.solve(snapshot, q, still, old, given)
-            for snapshot, old, given in zip(snapshots, former, distant, strict=True)
-        )
+        states = stack.solve_all(snapshots, q, still, former, distant)
         force, stiffness = stop_forces(stack, q)
         if loads.friction.holds:
             for k, (sense, lever) in enumerate(zip(start.slides, stack.levers, strict=True)):

@@ -302,6 +302,27 @@ class Stack:
         films = in_parallel(one, range(len(self.grids)), self.grids[0].area.size)
         return StackState(self, snapshot, q, v, films, tuple(distant))
 
+    def solve_all(
+        self,
+        snapshots: Sequence[Snapshot],
+        q: Array,
+        v: Array,
+        former: Sequence[StackState],
+        distant: Sequence[Sequence[Array]],
+        previous: PreviousStep | None = None,
+    ) -> tuple[StackState, ...]:
+        """Films of all snapshots at one place, see :meth:`solve`."""
+
+        def one(n: int) -> StackState:
+            return self.solve(snapshots[n], q, v, former[n], distant[n], previous)
+
+        return in_parallel(one, range(len(snapshots)), self.cells)
+
+    @property
+    def cells(self) -> int:
+        """Cells of all films. [-]."""
+        return sum(grid.area.size for grid in self.grids)
+
     def with_passes(self, passes: int) -> Stack:
         """Same stack whose films make at most so many passes at a time."""
         if passes == self.laws[0].accuracy.passes:
