@@ -116,7 +116,7 @@ def test_balance_sweep_gives_gaps_claims_and_figures(
 
 
 def test_spring_that_holds_a_bearing_pulls_with_what_films_and_back_leave() -> None:
-    """None where the bearing rests freely; further off the films push less. The ring is midway."""
+    """None where the bearing rests freely; further off the films push less."""
     coupled = _coupled()
     problem, stack, q = coupled.problem, coupled.problem.stack, coupled.equilibrium.balance.position
     left = []
@@ -126,7 +126,6 @@ def test_spring_that_holds_a_bearing_pulls_with_what_films_and_back_leave() -> N
         assert found.settled
         spring, own = held.stack.holding_spring, found.balance
         assert spring is not None
-        assert own.position[3] == pytest.approx(0.5 * lift, rel=1e-4)
         back = problem.loads.back
         left.append(np.mean([(s.film_force() + s.back_force(back))[0] for s in own.states]))
         pull = spring.stiffness * (float(stack.opening @ own.position) - spring.opening)
