@@ -172,7 +172,8 @@ def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
 def _opening(problem: LateralProblem, balance: Balance) -> float:
     """Force of films and low pressure that opens the bearing. [N]."""
     back = problem.loads.back
-    force = [float((s.film_force() + s.back_force(back))[0]) for s in balance.states]
+    parts = slice(0, problem.stack.first_body, 3)  # lifts of the bearing or its halves
+    force = [float((s.film_force() + s.back_force(back))[parts].sum()) for s in balance.states]
     closing = problem.stack.balance.floating.high_pressure.area * (back.high - back.low)
     return float(np.mean(force)) + closing
 
