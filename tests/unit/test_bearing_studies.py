@@ -18,6 +18,7 @@ from toothspace.closures.contact_rough import real_contact_share
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
+from toothspace.films.lateral.motion import balance_force
 from toothspace.model.film_faces import FilmFace
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.catalogue import FIGURES
@@ -112,6 +113,26 @@ def test_balance_sweep_gives_gaps_claims_and_figures(
     page = study_report_html(replace(result, kind="balance_sweep"))
     assert page.count("<svg") >= 4
     result.save(tmp_path)
+
+
+def test_spring_that_holds_a_bearing_pulls_with_what_films_and_back_leave() -> None:
+    """None where the bearing rests freely; further off the films push less."""
+    coupled = _coupled()
+    problem, stack, q = coupled.problem, coupled.problem.stack, coupled.equilibrium.balance.position
+    left = []
+    for lift in float(stack.opening @ q) + np.array([-0.2e-6, 0.0, 0.2e-6]):
+        held = problem.held_at(float(lift))
+        found = held.settle(held.started(0.8e-6))
+        assert found.settled
+        spring, own = held.stack.holding_spring, found.balance
+        assert spring is not None
+        back = problem.loads.back
+        left.append(np.mean([(s.film_force() + s.back_force(back))[0] for s in own.states]))
+        pull = spring.stiffness * (float(stack.opening @ own.position) - spring.opening)
+        assert left[-1] == pytest.approx(pull, abs=1e-6 * balance_force(stack, back))
+    assert abs(left[1]) < 1e-5 * balance_force(stack, back)
+    assert left[0] > 100.0 * abs(left[1])
+    assert left[2] < -100.0 * abs(left[1])
 
 
 def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None:

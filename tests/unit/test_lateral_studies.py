@@ -15,6 +15,7 @@ import xarray as xr
 
 from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import Case, load_case
+from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import study_figures
@@ -107,10 +108,21 @@ def test_figures_and_page(kind: str, study: LateralStudy, tmp_path: Path) -> Non
     assert {path.name for path in result.save(tmp_path)} >= {"study.nc", "points.csv"}
 
 
-def test_shipped_cases_ask_for_these_studies() -> None:
-    for name in ("hysteresis_055", "hysteresis_078", "nose_pressure"):
-        spec = load_case(CASES / f"{name}.toml").study
-        assert type(spec).__name__.lower() in ("hysteresisstudy", "nosepressurestudy")
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("hysteresis_055", HysteresisStudy),
+        ("hysteresis_078", HysteresisStudy),
+        ("hysteresis_overlay", HysteresisStudy),
+        ("nose_pressure", NosePressureStudy),
+        ("balance_sweep", BalanceSweepStudy),
+    ],
+)
+def test_shipped_cases_study_one_pump(name: str, kind: type) -> None:
+    own, pump = load_case(CASES / f"{name}.toml"), load_case(CASES / "fuel14_pump.toml")
+    assert isinstance(own.study, kind)
+    assert own.machine == pump.machine
+    assert own.run.deformation == pump.run.deformation
 
 
 def test_study_needs_an_operating_point(case: Case) -> None:

@@ -20,6 +20,7 @@ COARSE = [
     "run.film_steps_per_revolution=84",
 ]
 FUEL_MOTOR = [
+    "run.deformation=winkler",
     "machine.mode=motor",
     'machine.floating_bearing.nose.center=["20 mm","31.53 mm"]',
     'machine.casing.inlet_angle="55 deg"',

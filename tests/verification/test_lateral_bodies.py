@@ -339,6 +339,8 @@ def _march(stack: Stack, settings: StepSettings) -> list[Balance]:
         return pressures(HIGH * (1.0 + 0.05 * np.sin(60.0 * angle)))
 
     rest = state_at(stack, (stack.snapshot(0.0, beats(0.0)),), stack.start(2e-6))
+    # what a search with finer basis functions leaves at the phase where the march begins
+    rest = replace(rest, responses={0: response(rest.states[0], Fineness(3, 1), 0.0)})
     return list(march_angles(stack, beats, loads(HIGH), rest, angles, settings))
 
 

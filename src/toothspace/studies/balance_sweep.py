@@ -1,8 +1,8 @@
 """Loops of pressure over the balanced area of a floating bearing and its housing friction.
 
-Forces and losses of the films are tabulated over the gap for every outlet pressure; bearing and
-gears stay parallel with one gap on both sides. Any balanced area and any friction then follow
-from the tables alone.
+Forces and losses of the films are tabulated over the lift of the bearing for every outlet pressure;
+at every lift gears, tilts and deformation find their equilibrium. Any balanced area and any
+friction then follow from the tables alone. Bodies bend under the balanced area of the case.
 """
 
 from __future__ import annotations
@@ -23,8 +23,10 @@ from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
+from toothspace.films.lateral.motion import Balance
 from toothspace.model.lateral_balance import HousingContact
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
+from toothspace.simulation.lateral.heat import settle_bearing
+from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record
 from toothspace.studies.stored_point import point_key
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
 GAPS = (
     np.array([0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.3, 2.7, 3.2, 4, 5, 7, 10, 14, 20]) * 1e-6
 )
-"""Gaps at which forces and losses are tabulated. [m]"""
+"""Gaps at which forces and losses are tabulated: half the lift between two bearings. [m]"""
 CLAIMS = ("rises_on_the_way_up", "higher_on_the_way_down", "stays_on_its_film")
 """What the measurements of the source show, see ``claims``."""
 
@@ -59,7 +61,7 @@ _TELL = 1e-9
 @final
 @dataclass(frozen=True, eq=False)
 class FilmTable:
-    """Films at one outlet pressure over a gap that is the same everywhere."""
+    """Films at one outlet pressure over the gap that rigid faces would have."""
 
     outlet_pressure: float
     difference: float
@@ -147,7 +149,7 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     difference = back.high - back.low
     rows = [_row(problem, gap) for gap in GAPS]
     net = np.array([row.pop("opening_N") for row in rows])
-    carried = _row(plane, _PLANE_GAP)["opening_N"] + bearing.preload.size
+    carried = _opening(plane, plane.started(_PLANE_GAP)) + bearing.preload.size
     return FilmTable(
         pressure,
         difference,
@@ -160,12 +162,20 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
 
 def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
     """Opening force without the balanced area, and numbers of the films at one gap."""
-    balance, back = problem.started(gap), problem.loads.back
-    force = [float((s.film_force() + s.back_force(back))[0]) for s in balance.states]
-    closing = problem.stack.balance.floating.high_pressure.area * (back.high - back.low)
-    own = film_numbers(numbers_of(problem, balance))
-    opening = float(np.mean(force)) + closing
+    held = problem.held_at(float(problem.stack.opening @ problem.stack.start(gap)))
+    found = settle_bearing(held, held.started(gap))
+    own = film_numbers(found.numbers)
+    opening = _opening(problem, found.balance)
     return {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+
+
+def _opening(problem: LateralProblem, balance: Balance) -> float:
+    """Force of films and low pressure that opens the bearing. [N]."""
+    back = problem.loads.back
+    parts = slice(0, problem.stack.first_body, 3)  # lifts of the bearing or its halves
+    force = [float((s.film_force() + s.back_force(back))[parts].sum()) for s in balance.states]
+    closing = problem.stack.balance.floating.high_pressure.area * (back.high - back.low)
+    return float(np.mean(force)) + closing
 
 
 def follow(

@@ -195,7 +195,8 @@ def march_angles(
         Shaft angles at the ends of the steps, evenly spaced. [rad]
     """
     duration = float(angles[1] - angles[0]) / stack.shaft_speed
-    now = replace(start, states=(replace(start.states[0], stack=stack),), jacobian=None)
+    states = (replace(start.states[0], stack=stack),)
+    now = replace(start, states=states, jacobian=None, responses={})
     for k, angle in enumerate(angles):
         snapshot = stack.snapshot(float(angle), pressures(float(angle)))
         now = advance(stack, (snapshot,), loads, now, duration, step, follows=k > 0)

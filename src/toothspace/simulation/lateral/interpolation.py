@@ -15,8 +15,6 @@ from toothspace.films.lateral.stack import HoldingSpring, MovingBearing, Snapsho
 from toothspace.simulation.lateral.heat import SettledBearing
 from toothspace.simulation.lateral.problem import LateralProblem, numbers_of
 
-_STIFFNESS = 1e6
-"""Stiffness of the holding spring over the force behind the bearing. [1/m]"""
 _LEAKAGE, _MOST_PLACES = 3e-3, 8
 """Difference of the logarithm of two leakages that agree, and most steps to it. [-]"""
 _FORCE, _LEFT_FORCE = 1e-6, 1e-4
@@ -184,17 +182,18 @@ class InterpolatedEquilibrium:
         return sum(law.coulomb_force for _, law in laws if law.holds) * abs(self._sense)
 
     def _held(self, problem: LateralProblem, place: float, position: Array) -> SettledBearing:
-        holding_spring = HoldingSpring(place, _STIFFNESS * self._scale)
-        guided = replace(problem, stack=replace(problem.stack, holding_spring=holding_spring))
+        guided = problem.held_at(place)
+        spring = guided.stack.holding_spring
+        assert spring is not None
         found = self._settle(guided, guided.continued(position), self._temperatures)
         self._temperatures = found.temperatures
         opened = float(guided.stack.opening @ found.balance.position)
-        pull = holding_spring.stiffness * (place - opened)
+        pull = spring.stiffness * (place - opened)
         excess = (-self._sense * self._friction - pull) / self._scale
         return replace(found, excess=excess)
 
     def _mixed(self, share: float) -> LateralProblem:
-        """Films at pressures between the trials, without friction in the housing."""
+        """Films at pressures between the trials."""
         first, second = (end.problem for end in self._ends)
 
         def between(a: Array, b: Array) -> Array:
@@ -204,11 +203,9 @@ class InterpolatedEquilibrium:
             s._replace(node_pressure=between(s.node_pressure, t.node_pressure))
             for s, t in zip(first.snapshots, second.snapshots, strict=True)
         )
-        free = HousingFriction(0.0, first.loads.friction.breakaway_speed, True)
         return replace(
             (first, second)[round(share)],
             snapshots=snapshots,
-            loads=Loads(first.loads.back, free),
             node_pressure=lambda angle: between(
                 first.node_pressure(angle), second.node_pressure(angle)
             ),

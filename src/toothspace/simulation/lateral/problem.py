@@ -31,10 +31,11 @@ from toothspace.films.lateral.housing_friction import (
     normal_force,
 )
 from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import Balance, Loads, StepSettings, state_at
+from toothspace.films.lateral.motion import Balance, Loads, StepSettings, balance_force, state_at
 from toothspace.films.lateral.stack import (
     BackPressure,
     Compliance,
+    HoldingSpring,
     Snapshot,
     Stack,
     WinklerFoundation,
@@ -63,6 +64,8 @@ _FINENESS = Fineness(waves=16, degree=2, phases=6)
 """Basis functions of the deformation that are predicted: those of the teeth are the finest. [-]"""
 _IN_MARCH = Fineness(waves=12, degree=2, phases=8)
 """The same in a march: a step begins so near its end that fewer basis functions do."""
+_HELD = 1e6
+"""Stiffness of the holding spring over the force behind the bearing. [1/m]"""
 _MEMORY = 2
 """Iterations from which the rest of the deformation is extrapolated. [-]"""
 
@@ -109,6 +112,16 @@ class LateralProblem:
     def continued(self, position: Array) -> Balance:
         """State without motion at the positions of another operating point. [m, rad]."""
         return state_at(self.stack, self.snapshots, position)
+
+    def held_at(self, opening: float) -> LateralProblem:
+        """Same problem with a stiff spring on the mean lift in place of friction. [m].
+
+        At rest the spring pulls with what films and back leave.
+        """
+        stiffness = _HELD * balance_force(self.stack, self.loads.back)
+        free = HousingFriction(0.0, self.loads.friction.breakaway_speed, holds=True)
+        stack = replace(self.stack, holding_spring=HoldingSpring(opening, stiffness))
+        return replace(self, stack=stack, loads=Loads(self.loads.back, free))
 
     def settle(self, start: Balance) -> Equilibrium:
         """Let bearings and gears move until they settle, forces averaged over a pitch."""
