@@ -25,7 +25,8 @@ CASES = Path(__file__).resolve().parents[2] / "cases"
         ("crescent_pump", "journal_bearings.radial_clearance", "200 um", "relative clearance"),
         ("egm12_pump", "relief_grooves.opening_side_offset", "34 mm", "opening of the relief"),
         ("egm12_pump", "relief_grooves.radial_extent", "100 mm", "short circuit through the cham"),
-        ("egm12_pump", "bearing_blocks.radial_clearance", "250 um", "bearing play"),
+        ("egm12_pump", "bearing_blocks.radial_clearance", "250 um", "cut into the casing"),
+        ("egm12_pump", "journal_bearings.radial_clearance", "250 um", "bearing play"),
         ("egm12_pump", "journal_bearings.radial_clearance", "80 um", "relative clearance"),
         ("gerotor_trochoidal", "housing.outer_rotor_diameter", "520 mm", "rim of the outer rotor"),
         ("gerotor_trochoidal", "housing.radial_clearance", "500 um", "relative clearance"),
@@ -39,6 +40,18 @@ def test_nonsense_is_warned_of(name: str, key: str, value: str, rule: str) -> No
     checks = api.describe(case.replace({f"machine.{key}": value})).checks
     failed = {check.name for check in checks if not check.passed} - before
     assert any(name.startswith(rule) for name in failed)
+
+
+def test_blocks_carry_both_gears_along() -> None:
+    """Bores of one block keep their distance: its clearance in the casing closes no root."""
+    case = api.load_case(CASES / "egm12_pump.toml")
+    wide = case.replace({"machine.bearing_blocks.radial_clearance": "250 um"})
+    checks = {check.name: check for check in api.describe(wide).checks}
+    play, cut = checks["bearing play of both gears"], checks["cut into the casing"]
+    assert play.value == pytest.approx(2.0 * 0.008)
+    assert play.passed
+    assert cut.value == pytest.approx(250.0 + 8.0 - 20.0)
+    assert not cut.passed
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ import pytest
 
 from tests.external_gear_designs import egm12
 from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.short_circuit import TYPICAL
+from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.parameter_tables import WearInParameters
 from toothspace.machines.external_gear.trapping import mesh_chain, trapping, trapping_checks
@@ -38,9 +40,7 @@ def _checks(assembly):
 def test_peak_agrees_with_the_run_of_the_machine(closing, opening, simulated):
     """Lumped runs of the pump at 1500 rpm, 200 bar, backlash 0.107 mm; within 15 %."""
     assembly = _pump(0.107, closing, opening)
-    found = trapping(
-        mesh_chain(assembly, assembly.spaces(720)), assembly, assembly.spec.keys.casing.wear_in
-    )
+    found = trapping(mesh_chain(assembly, assembly.spaces(720)), assembly, TYPICAL)
     assert found.peak_pressure / BAR == pytest.approx(simulated, rel=0.15)
 
 
@@ -48,9 +48,7 @@ def test_peak_agrees_with_the_run_of_the_machine(closing, opening, simulated):
 def test_short_circuit_is_that_by_which_the_flow_of_the_run_falls(opening, lost):
     """Loss of volumetric efficiency against grooves at 3.4 mm; within 0.015 of the ideal flow."""
     assembly = _pump(0.107, 3.4, opening)
-    found = trapping(
-        mesh_chain(assembly, assembly.spaces(720)), assembly, assembly.spec.keys.casing.wear_in
-    )
+    found = trapping(mesh_chain(assembly, assembly.spaces(720)), assembly, TYPICAL)
     assert found.short_circuit == pytest.approx(lost, abs=0.015)
 
 
@@ -73,10 +71,42 @@ def test_a_narrow_backlash_asks_for_dual_flank_timing():
     assert "single-flank timing" in wide.reason
 
 
-def test_joined_grooves_are_named_with_the_edge_that_parts_them():
-    check = _checks(_pump(0.107, 3.4, 2.0))["short circuit through the grooves"]
-    assert not check.passed
-    assert "Move the opening-side edge to 2." in check.reason
+def test_joined_grooves_are_judged_once_with_the_edge_that_parts_them():
+    """In the running-in condition 200 bar, 1500 rpm as without one; estimate of the mesh alone."""
+    assembly = _pump(0.107, 3.4, 2.0)
+    keys = assembly.spec.keys
+    bare = replace(keys, casing=replace(keys.casing, wear_in=None))
+    found = []
+    for spec in (assembly.spec, replace(assembly.spec, keys=bare)):
+        checks = MACHINE.describe(spec, nodes=720).checks
+        found += [check for check in checks if check.name.startswith("short circuit")]
+    worn, unworn = found
+    assert not worn.passed
+    assert "Move the opening-side edge to 2." in worn.reason
+    assert worn == unworn
+    mesh = trapping(mesh_chain(assembly, assembly.spaces(720)), assembly, TYPICAL)
+    assert worn.value == pytest.approx(100.0 * mesh.short_circuit, rel=0.02)
+
+
+def test_short_circuit_is_judged_at_the_running_in_condition():
+    """Flow through orifices over the ideal flow goes with the root of pressure over speed."""
+    assembly = _pump(0.107, 3.4, 2.4)
+    keys = assembly.spec.keys
+    wear = replace(keys.casing.wear_in, pressure=100 * BAR, shaft_speed=8000 * math.pi / 30)
+    fast = replace(keys, casing=replace(keys.casing, wear_in=wear))
+    slow_check, fast_check = (
+        next(
+            check
+            for check in MACHINE.describe(spec).checks
+            if check.name.startswith("short circuit")
+        )
+        for spec in (assembly.spec, replace(assembly.spec, keys=fast))
+    )
+    shrunk = math.sqrt((100 - 1.01325) / (200 - 1.01325)) * 1500 / 8000
+    assert fast_check.value == pytest.approx(shrunk * slow_check.value, rel=1e-12)
+    assert fast_check.passed
+    assert not slow_check.passed
+    assert fast_check.allowed.endswith("at 100 bar, 8000 rpm")
 
 
 def test_nothing_is_said_without_condition_or_grooves():

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.design_check import DesignCheck
 from toothspace.core.types import Array
 from toothspace.model.description import ChamberFamily, FlowPath
@@ -17,10 +20,32 @@ SHORT_CIRCUIT_LIMIT = 0.01
 DENSITY = 850.0
 """Density of the estimate, mineral oil. [kg/m3]"""
 
-_PRESSURE_DIFFERENCE = 200e5
-_SHAFT_SPEED = 1500.0 * np.pi / 30.0
 _ANGLES = 48
 _PORTS = ("inlet", "outlet")
+
+
+@final
+@dataclass(frozen=True)
+class RatedCondition:
+    """Condition at which design rules judge; the low-pressure side is at one atmosphere."""
+
+    pressure: float = 200e5
+    """Absolute pressure of the high-pressure side. [Pa]"""
+    shaft_speed: float = 1500.0 * np.pi / 30.0
+    """Shaft speed. [rad/s]"""
+
+    @property
+    def pressure_difference(self) -> float:
+        """Pressure difference between the ports. [Pa]."""
+        return self.pressure - ATMOSPHERIC_PRESSURE
+
+    def __str__(self) -> str:
+        """Return the condition in words."""
+        return f"at {self.pressure * 1e-5:.4g} bar, {self.shaft_speed * 30.0 / np.pi:.4g} rpm"
+
+
+TYPICAL = RatedCondition()
+"""Condition for machines without one of their own."""
 
 
 def in_series(first: Array, second: Array) -> Array:
@@ -32,7 +57,7 @@ def in_series(first: Array, second: Array) -> Array:
 def joined_area(
     families: Sequence[ChamberFamily],
     paths: Sequence[FlowPath],
-    closed_by: float | None = 0.0,
+    closed_by: float = 0.0,
 ) -> float:
     """Area that joins both ports, mean over a pitch of the first family.
 
@@ -40,14 +65,13 @@ def joined_area(
     ----------
     families, paths : sequence of ChamberFamily, FlowPath
         Chambers, and all paths of the machine.
-    closed_by : float or None
-        Part by which bearing play closes the throats between meshing chambers; None leaves out
-        ways through two chambers. [m]
+    closed_by : float
+        Part by which bearing play closes the throats between meshing chambers. [m]
 
     Returns
     -------
     float
-        Openings of single chambers to both ports, and of two chambers that mesh, in series. [m2]
+        Orifice for openings of single chambers to both ports, and of two that mesh, in series. [m2]
     """
     first = families[0]
     pitch = 2.0 * np.pi / (first.count * abs(first.angle_ratio))
@@ -60,10 +84,11 @@ def joined_area(
             table = path.geometry(path.phases + path.angle_ratio * angle[:, None])
             np.add.at(to[port], (rows, path.nodes_a[None, :]), path.multiplicity * table[..., 0])
     joined = in_series(to["inlet"], to["outlet"]).sum(axis=1)
-    meshing = [path for path in paths if path.category.role == "mesh" and closed_by is not None]
-    for path in meshing:
+    for path in (path for path in paths if path.category.role == "mesh"):
         table = path.geometry(path.phases + path.angle_ratio * angle[:, None])
-        throat = np.maximum(table[..., 0] - (closed_by or 0.0), 0.0) * table[..., 1]
+        # a gap does not contract the flow as the sharp edges of the openings do
+        height = np.maximum(table[..., 0] - closed_by, 0.0) / DISCHARGE_COEFFICIENT
+        throat = height * table[..., 1]
         here, there = path.nodes_a[None, :], path.partners(angle)
         for port, other in (_PORTS, _PORTS[::-1]):
             through = in_series(to[port][rows, here], to[other][rows, there])
@@ -75,7 +100,8 @@ def opening_checks(
     families: Sequence[ChamberFamily],
     paths: Sequence[FlowPath],
     displacement: float,
-    closed_by: float | None = 0.0,
+    closed_by: float = 0.0,
+    condition: RatedCondition = TYPICAL,
 ) -> tuple[DesignCheck, ...]:
     """Seal between both ports, and relief grooves that chambers meet.
 
@@ -85,20 +111,22 @@ def opening_checks(
         See :func:`joined_area`.
     displacement : float
         Displaced volume. [m3/rad]
+    condition : RatedCondition
+        Pressure and speed of the short circuit.
 
     Returns
     -------
     tuple of DesignCheck
-        Short circuit at a typical pressure and speed, and opening of the grooves if there are any.
+        Short circuit, and opening of the grooves if there are any.
     """
-    velocity = float(np.sqrt(2.0 * _PRESSURE_DIFFERENCE / DENSITY))
+    velocity = float(np.sqrt(2.0 * condition.pressure_difference / DENSITY))
     flow = DISCHARGE_COEFFICIENT * velocity * joined_area(families, paths, closed_by)
-    share = flow / (displacement * _SHAFT_SPEED)
+    share = flow / (displacement * condition.shaft_speed)
     short = DesignCheck(
         name="short circuit through the chambers",
         value=100.0 * share,
         unit="%",
-        allowed=f"up to {100.0 * SHORT_CIRCUIT_LIMIT:g} % of the ideal flow at 200 bar, 1500 rpm",
+        allowed=f"up to {100.0 * SHORT_CIRCUIT_LIMIT:g} % of the ideal flow {condition}",
         passed=share <= SHORT_CIRCUIT_LIMIT,
         reason="While a chamber is open to both ports, by grooves, recesses or the chamber that it "
         "meshes with, fluid at high pressure escapes to the other side.",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
@@ -15,6 +17,7 @@ from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
+from toothspace.machines.external_gear.trapping import parting_advice, rated_condition
 from toothspace.machines.shared_bearings import bearing_checks
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
@@ -40,10 +43,13 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     journals, displaced = loads.journal_bearings(assembly), displacement(assembly)
     families = drive.chambers(loads.BODIES[0]), driven.chambers(loads.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
+    short, *opened = opening_checks(families, paths, displaced, 0.0, rated_condition(assembly))
+    if not short.passed:
+        short = replace(short, reason=short.reason + parting_advice(assembly))
     checks = (
         *design_checks(assembly),
-        # at a running-in condition, ways through the mesh are judged there
-        *opening_checks(families, paths, displaced, 0.0 if wear is None else None),
+        short,
+        *opened,
         *bearing_checks(journals, min(assembly.root_clearances)),
     )
     contacts = flank_contacts(assembly, loads.flank_pair(assembly), numbering, spaces[0])

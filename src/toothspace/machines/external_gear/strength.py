@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.closures.contact_cylindrical import hertz_pressure
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.gearing.flank_contacts import rigid_mesh
 from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.meshing import displacement
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.trapping import rated_condition
 from toothspace.model.description import DesignCheck
 
 RADIAL_LOAD_COEFFICIENT = 0.85
@@ -42,13 +42,12 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     .. [1] J. Ivantysyn, M. Ivantysynova, Hydrostatic Pumps and Motors, 2001.
     .. [2] ISO 6336-5:2016, figures for case-hardened wrought steels.
     """
-    wear = assembly.spec.keys.casing.wear_in
-    if wear is None:
+    if assembly.spec.keys.casing.wear_in is None:
         return ()
-    difference = wear.pressure - ATMOSPHERIC_PRESSURE
-    condition = f"at {wear.pressure * 1e-5:.4g} bar, {wear.shaft_speed * 30.0 / np.pi:.4g} rpm"
+    condition = rated_condition(assembly)
+    difference = condition.pressure_difference
     load = bearing_pressure(assembly, difference)
-    sliding = assembly.spec.shaft_radius * wear.shaft_speed
+    sliding = assembly.spec.shaft_radius * condition.shaft_speed
     force = contact_force(assembly, difference)
     rows = (
         ("bearing specific load", load, MAX_BEARING_PRESSURE, "MPa", _WHY_LOAD),

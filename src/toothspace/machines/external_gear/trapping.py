@@ -20,11 +20,16 @@ from toothspace.core.types import Array, IntArray
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import displacement, relative_radius
-from toothspace.gearing.short_circuit import DENSITY, SHORT_CIRCUIT_LIMIT, in_series
+from toothspace.gearing.short_circuit import (
+    DENSITY,
+    SHORT_CIRCUIT_LIMIT,
+    TYPICAL,
+    RatedCondition,
+    in_series,
+)
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
-from toothspace.machines.external_gear.parameter_tables import WearInParameters
 from toothspace.model.description import DesignCheck
 
 PEAK_LIMIT = 1.5
@@ -175,14 +180,13 @@ def _throat(assembly: Assembly, side: Throats) -> Way:
     return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
-def trapping(chain: MeshChain, assembly: Assembly, condition: WearInParameters) -> Trapping:
+def trapping(chain: MeshChain, assembly: Assembly, condition: RatedCondition) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
 
     Parameters
     ----------
-    condition : WearInParameters
-        Absolute pressure of the high-pressure side, the other one at that of the atmosphere, and
-        shaft speed.
+    condition : RatedCondition
+        Pressure and shaft speed.
 
     Returns
     -------
@@ -201,7 +205,7 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: WearInParameters) 
     .. [1] A. Vacca, M. Guidetti, Modelling and experimental validation of external spur gear
        machines for fluid power applications, Simul. Model. Pract. Theory 19 (2011) 2007-2031.
     """
-    speed, difference = condition.shaft_speed, condition.pressure - ATMOSPHERIC_PRESSURE
+    speed, difference = condition.shaft_speed, condition.pressure_difference
     pressures = _pressures(chain, assembly.spec.keys.mode == "pump", condition)
     joined = in_series(chain.to_inlet.area, chain.to_outlet.area).sum(axis=1)
     for here, there in ((chain.to_outlet, chain.to_inlet), (chain.to_inlet, chain.to_outlet)):
@@ -225,7 +229,7 @@ def _exchange_drop(chain: MeshChain, speed: float) -> float:
     return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
 
 
-def _pressures(chain: MeshChain, is_pump: bool, condition: WearInParameters) -> Array:
+def _pressures(chain: MeshChain, is_pump: bool, condition: RatedCondition) -> Array:
     """Pressure of each space: flows over pressure drops of the last iterate, solved anew. [Pa]."""
     low, high = ATMOSPHERIC_PRESSURE, condition.pressure
     inlet, outlet = (low, high) if is_pump else (high, low)
@@ -253,40 +257,33 @@ def _pressures(chain: MeshChain, is_pump: bool, condition: WearInParameters) -> 
     return found
 
 
+def rated_condition(assembly: Assembly) -> RatedCondition:
+    """Pressure and speed of running-in, or typical ones where the gears do not run in."""
+    wear = assembly.spec.keys.casing.wear_in
+    return TYPICAL if wear is None else RatedCondition(wear.pressure, wear.shaft_speed)
+
+
 def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Peak of the trapped spaces, exchange through the backlash, seal between the grooves.
+    """Peak of the trapped spaces and exchange through the backlash.
 
     Returns
     -------
     tuple of DesignCheck
         At the pressure and speed of running-in; empty without that condition or without grooves.
     """
-    wear, grooves = assembly.spec.keys.casing.wear_in, assembly.spec.grooves
-    if wear is None or grooves is None:
+    grooves = assembly.spec.grooves
+    if assembly.spec.keys.casing.wear_in is None or grooves is None:
         return ()
-    spaces = assembly.spaces(_NODES)
-
-    def estimate(grooves: ReliefGrooves) -> Trapping:
-        moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
-        return trapping(mesh_chain(moved, spaces), moved, wear)
-
+    condition, estimate = rated_condition(assembly), _estimates(assembly)
     found = estimate(grooves)
-    condition = f"at {wear.pressure * 1e-5:.4g} bar, {wear.shaft_speed * 30.0 / np.pi:.4g} rpm"
-    peak_limit, drop_limit = PEAK_LIMIT * wear.pressure, SINGLE_FLANK_LIMIT * wear.pressure
+    peak_limit = PEAK_LIMIT * condition.pressure
+    drop_limit = SINGLE_FLANK_LIMIT * condition.pressure
     calm = found.peak_pressure <= peak_limit
-    sealed = bool(found.short_circuit <= SHORT_CIRCUIT_LIMIT)
     nearest = min(_EDGE_STEPS, int(np.ceil(grooves.closing_side_offset / _EDGE_STEP))) - 1
-    closing = opening = ""
+    closing = ""
     if not calm:
         closing = _edge_advice(
             grooves, "closing", nearest, lambda new: estimate(new).peak_pressure <= peak_limit
-        )
-    if not sealed:
-        opening = _edge_advice(
-            grooves,
-            "opening",
-            _EDGE_STEPS - 1,
-            lambda new: estimate(new).short_circuit <= SHORT_CIRCUIT_LIMIT,
         )
     return (
         DesignCheck(
@@ -306,16 +303,36 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             passed=found.exchange_drop <= drop_limit,
             reason=_sealing(assembly, grooves, single=found.exchange_drop <= drop_limit),
         ),
-        DesignCheck(
-            name="short circuit through the grooves",
-            value=100.0 * found.short_circuit,
-            unit="%",
-            allowed=f"up to {100.0 * SHORT_CIRCUIT_LIMIT:g} % of the ideal flow {condition}",
-            passed=sealed,
-            reason="While a space or the backlash is open to both grooves, fluid at high pressure "
-            "escapes to the other side." + opening,
-        ),
     )
+
+
+def parting_advice(assembly: Assembly) -> str:
+    """Where to move the edge of the opening-side groove so that the mesh parts both ports.
+
+    Returns
+    -------
+    str
+        A sentence; empty where the mesh parts them, or without grooves.
+    """
+    grooves, estimate = assembly.spec.grooves, _estimates(assembly)
+
+    def parts(new: ReliefGrooves) -> bool:
+        return estimate(new).short_circuit <= SHORT_CIRCUIT_LIMIT
+
+    if grooves is None or parts(grooves):
+        return ""
+    return _edge_advice(grooves, "opening", _EDGE_STEPS - 1, parts)
+
+
+def _estimates(assembly: Assembly) -> Callable[[ReliefGrooves], Trapping]:
+    """What the mesh does with relief grooves at the rated condition."""
+    spaces, condition = assembly.spaces(_NODES), rated_condition(assembly)
+
+    def estimate(grooves: ReliefGrooves) -> Trapping:
+        moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
+        return trapping(mesh_chain(moved, spaces), moved, condition)
+
+    return estimate
 
 
 def _edge_advice(
