@@ -6,7 +6,13 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.numerics.ndf import bind
-from toothspace.numerics.ndf_types import NdfCallbacks, make_record, make_settings, make_state
+from toothspace.numerics.ndf_types import (
+    DONE,
+    NdfCallbacks,
+    make_record,
+    make_settings,
+    make_state,
+)
 from toothspace.numerics.static_lu import analyse
 
 LINEAR, OSCILLATOR, NETWORK, RELAY, BLOW_UP, NOT_A_NUMBER = 0, 1, 2, 3, 4, 5
@@ -144,13 +150,12 @@ _initial_state, _advance = bind(NdfCallbacks(rhs, finish, jacobian, weights, eve
 
 
 @njit
-def begin(params, program, settings, state, t0, y0):
-    _initial_state(params, program, settings, state, t0, y0)
-
-
-@njit
-def integrate(params, program, settings, state, record, t_end):
-    return _advance(params, program, settings, state, record, t_end)
+def integrate(params, program, settings, state, record, time, y0):
+    """Begin where start values are given, go on to a time elsewhere: one entry, compiled once."""
+    if y0.size > 0:
+        _initial_state(params, program, settings, state, time, y0)
+        return DONE
+    return _advance(params, program, settings, state, record, time)
 
 
 class Run:
@@ -164,16 +169,18 @@ class Run:
         self.program = analyse(full if pattern is None else pattern)
         self.settings = make_settings(**choices)
         self.state = make_state(self.program, y0.size, self.settings.event_actions.size)
-        begin(self.params, self.program, self.settings, self.state, t0, y0)
         self.record = make_record(np.zeros(0), y0.size)
+        self._integrate(t0, y0)
 
     def sample(self, times):
         self.record = make_record(times, self.state.y.size)
 
     def to(self, t_end):
-        return integrate(
-            self.params, self.program, self.settings, self.state, self.record, float(t_end)
-        )
+        return self._integrate(t_end, np.zeros(0))
+
+    def _integrate(self, time, y0):
+        given = (self.params, self.program, self.settings, self.state, self.record)
+        return integrate(*given, float(time), y0)
 
     @property
     def y(self):

@@ -17,8 +17,8 @@ from toothspace.solver import accuracy, cyclic
 from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.cyclic import History, RunPlan
 
-Answers = dict[float, tuple[Status, float, bool]]
-"""Status, energy error and whether it is stalled, by tolerance."""
+Answers = dict[float, tuple[Status, float]]
+"""Status and energy error, by tolerance."""
 
 
 @pytest.fixture
@@ -37,15 +37,15 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Answers], list[tuple[
     def answer(answers: Answers) -> list[tuple[float, int]]:
         asked: list[tuple[float, int]] = []
 
-        def answer_at(system: Any) -> tuple[Status, float, bool]:
+        def answer_at(system: Any) -> tuple[Status, float]:
             return answers[round(np.log10(system.condition.relative_tolerance))]
 
         def march(system: Any, plan: RunPlan, _progress: Any, _state: Any) -> History:
             asked.append((system.condition.relative_tolerance, plan.max_revolutions))
-            status, _, stalled = answer_at(system)
+            status, _ = answer_at(system)
             statistics = {"revolutions": 10.0, "steps": 100.0}
             nothing = np.zeros((1, 1))
-            return History(status, system, nothing, nothing, (), 10, statistics, stalled)
+            return History(status, system, nothing, nothing, (), 10, statistics)
 
         def ledger(history: History) -> Any:
             return SimpleNamespace(energy_balance_error=answer_at(history.system)[1])
@@ -61,19 +61,19 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Answers], list[tuple[
 def test_a_run_that_balances_is_marched_once(
     machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
-    asked = answered({-6: (Status.DONE, 1e-6, False)})
+    asked = answered({-6: (Status.DONE, 1e-6)})
     history = march_to_balance(machine, RunPlan(max_revolutions=40))
     assert asked == [(1e-6, 40)]
     assert history.statistics["relative_tolerance"] == 1e-6
 
 
-@pytest.mark.parametrize("first", [(Status.DONE, 5e-5, False), (Status.NOT_CYCLIC, 1.0, True)])
+@pytest.mark.parametrize("first", [(Status.DONE, 5e-5), (Status.NOT_REPEATING, 1.0)])
 def test_the_tolerance_follows_energies_and_stalled_revolutions(
-    first: tuple[Status, float, bool],
+    first: tuple[Status, float],
     machine: Assembled,
     answered: Callable[[Answers], list[tuple[float, int]]],
 ) -> None:
-    asked = answered({-6: first, -7: (Status.DONE, 1e-6, False)})
+    asked = answered({-6: first, -7: (Status.DONE, 1e-6)})
     history = march_to_balance(machine, RunPlan(max_revolutions=40))
     assert [plan for _, plan in asked] == [40, 30]
     assert history.status is Status.DONE
@@ -85,7 +85,7 @@ def test_the_tolerance_follows_energies_and_stalled_revolutions(
 def test_revolutions_that_still_come_closer_keep_the_tolerance(
     machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
-    asked = answered({-6: (Status.NOT_CYCLIC, 1.0, False)})
+    asked = answered({-6: (Status.NOT_CYCLIC, 1.0)})
     assert march_to_balance(machine, RunPlan(max_revolutions=40)).status is Status.NOT_CYCLIC
     assert len(asked) == 1
 
@@ -93,7 +93,7 @@ def test_revolutions_that_still_come_closer_keep_the_tolerance(
 def test_a_fixed_number_of_revolutions_is_marched_as_asked(
     machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
-    asked = answered({-6: (Status.DONE, 1e-3, False)})
+    asked = answered({-6: (Status.DONE, 1e-3)})
     march_to_balance(machine, RunPlan(revolutions=3))
     assert len(asked) == 1
 
@@ -101,10 +101,22 @@ def test_a_fixed_number_of_revolutions_is_marched_as_asked(
 def test_a_cyclic_result_is_kept_where_the_tighter_march_fails(
     machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
-    answered({-6: (Status.DONE, 5e-5, False), -7: (Status.STEP_TOO_SMALL, 1.0, False)})
+    answered({-6: (Status.DONE, 5e-5), -7: (Status.STEP_TOO_SMALL, 1.0)})
     history = march_to_balance(machine, RunPlan(max_revolutions=40))
     assert history.status is Status.DONE
     assert history.statistics["relative_tolerance"] == 1e-6
+
+
+def test_revolutions_that_never_agree_end_before_the_last_with_their_own_advice(
+    machine: Assembled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cyclic, "_difference", lambda *_: 5.0)
+    plan = RunPlan(max_revolutions=40, samples_per_revolution=36)
+    history = cyclic.march_revolutions(machine.at(1e-4), plan)
+    assert history.status is Status.NOT_REPEATING
+    assert history.revolutions < 40
+    assert "run.revolutions" in history.status.value
+    assert "max_revolutions" not in history.status.value
 
 
 def test_stalled_changes_are_told_from_slow_ones() -> None:

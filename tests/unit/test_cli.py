@@ -91,6 +91,7 @@ def described(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     [
         (Status.DONE, 0),
         (Status.NOT_CYCLIC, 3),
+        (Status.NOT_REPEATING, 3),
         (Status.STEP_TOO_SMALL, 3),
         (Status.NOT_CONVERGED, 3),
         (Status.INTERRUPTED, 130),

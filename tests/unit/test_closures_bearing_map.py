@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from toothspace.closures.bearing_map import JournalMap, build_journal_map, journal_force
-from toothspace.core.compiled import njit
 
 
-@njit
 def force_at(state: np.ndarray, speed: float, journal_map: JournalMap) -> np.ndarray:
     ex, ey, vx, vy = state
     return np.array(journal_force(ex, ey, vx, vy, speed, 1.0, 1.0, journal_map))

@@ -96,6 +96,23 @@ def test_a_signal_waits_for_the_end_of_the_body() -> None:
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
+def test_a_held_signal_acts_sooner_where_the_body_lets_it_unless_it_is_held_twice() -> None:
+    done = []
+
+    def body() -> None:
+        with interrupts_held() as outer:
+            with interrupts_held() as inner:
+                signal.raise_signal(signal.SIGTERM)
+                inner()
+                done.append("inner")
+            outer()
+            done.append("not reached")
+
+    with ending_interrupts(), pytest.raises(KeyboardInterrupt):
+        body()
+    assert done == ["inner"]
+
+
 def test_a_signal_inside_an_import_waits_for_its_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

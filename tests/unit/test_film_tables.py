@@ -21,8 +21,8 @@ from toothspace.model.bodies import journal_torques
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.system import right_hand_side
 from toothspace.simulation.film_tables import with_film_tables
+from toothspace.solver.compiled_model import evaluate_state
 from toothspace.solver.initial import start_state
 from toothspace.studies import reduce
 
@@ -115,7 +115,7 @@ def test_torque_is_friction_times_load_and_radius(
     arrays = system.arrays
     state = start_state(system)
     state[arrays.size.position] += 5e-6
-    right_hand_side(0.0, state, arrays, np.zeros(arrays.size.total))
+    evaluate_state(arrays, state)
     journal = system.description.journals[0]
     body = next(b for b in system.description.bodies if b.name == journal.body)
     force = float(np.hypot(arrays.journal[0, FILM_X], arrays.journal[0, FILM_Y]))
@@ -134,8 +134,7 @@ def test_slopes_of_the_torque_of_a_turning_body() -> None:
     state = start_state(system)
     state[size.position] += 5e-6
     state[size.velocity] += 1e-3
-    rate = np.zeros(size.total)
-    right_hand_side(0.0, state, arrays, rate)
+    evaluate_state(arrays, state)
     slopes = arrays.film_slopes.copy()
     rotation = int(arrays.journal[0, 10])
     assert rotation >= 0
@@ -145,7 +144,7 @@ def test_slopes_of_the_torque_of_a_turning_body() -> None:
             for sign in (1.0, -1.0):
                 moved = state.copy()
                 moved[start + k] += sign * step
-                right_hand_side(0.0, moved, arrays, rate)
+                evaluate_state(arrays, moved)
                 values.append(arrays.motion[rotation, FILM_FORCE])
             expected = (values[0] - values[1]) / (2.0 * step)
             assert slopes[order, rotation, k] == pytest.approx(expected, rel=1e-3)

@@ -24,7 +24,6 @@ from toothspace.model.assembly import System, assemble
 from toothspace.model.bodies import CREEP_SPEED, journal_torques
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.system import right_hand_side
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.initial import start_state
@@ -167,7 +166,7 @@ def test_each_bearing_keeps_its_own_film() -> None:
             replace(machine, journals=journals), closed.arrays.fluid, closed.condition
         )
         state = start_state(system)
-        right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+        evaluate_state(system.arrays, state)
         forces.append(system.arrays.motion[:2, FILM_FORCE].copy())
     assert np.hypot(*forces[0]) > 10.0 * np.hypot(*forces[1])
     assert forces[2] == pytest.approx(forces[0] + forces[1], rel=1e-9)
@@ -187,10 +186,10 @@ def test_friction_opposes_the_own_speed_of_a_body(share: float) -> None:
     """Boundary friction is of one size in either sense, shear goes with the speed."""
     mean = RATIO * 157.0
     system, state = pressed_ring(mean)
-    right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+    evaluate_state(system.arrays, state)
     running = journal_torques(system.arrays, state, 0)[1]
     system, state = pressed_ring(share * mean)
-    right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+    evaluate_state(system.arrays, state)
     assert running > 0.0
     assert journal_torques(system.arrays, state, 0)[1] == pytest.approx(np.sign(share) * running)
 
@@ -212,13 +211,13 @@ def test_a_body_brought_to_rest_creeps() -> None:
     torques = []
     for speed in (-1e-4, 0.0, 1e-4):
         system, state = pressed_ring(speed)
-        right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+        evaluate_state(system.arrays, state)
         torques.append(system.arrays.motion[2, FILM_FORCE])
         if speed == 0.0:
             slope = system.arrays.film_slopes[1, 2, 2]
             assert journal_torques(system.arrays, state, 0)[1] == 0.0
     assert slope == pytest.approx((torques[2] - torques[0]) / 2e-4, rel=1e-4)
     system, state = pressed_ring(RATIO * 157.0)
-    right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+    evaluate_state(system.arrays, state)
     running = journal_torques(system.arrays, state, 0)[1]
     assert slope == pytest.approx(-running * 30e-3 / CREEP_SPEED, rel=0.02)

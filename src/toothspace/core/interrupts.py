@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -20,30 +20,35 @@ _PAUSE = 0.02
 
 
 @contextmanager
-def interrupts_held() -> Iterator[None]:
+def interrupts_held() -> Iterator[Callable[[], None]]:
     """Hold signals that end the program back until the body is done; then they act.
 
-    Only the first thread of a process receives signals; elsewhere this does nothing.
+    Yields what the body calls where they may act sooner. Only the first thread of a process
+    receives signals; elsewhere this does nothing.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
     received: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield received.clear
+        return
 
     def remember(number: int, _frame: FrameType | None) -> None:
         received.append(number)
+
+    def act() -> None:
+        for number in received[:1]:
+            received.clear()
+            held[number](number, sys._getframe())
 
     before = {number: signal.getsignal(number) for number in ENDING}
     held = {number: handler for number, handler in before.items() if callable(handler)}
     for number in held:
         signal.signal(number, remember)
     try:
-        yield
+        yield act
     finally:
         for number, handler in held.items():
             signal.signal(number, handler)
-        for number in received[:1]:
-            signal.raise_signal(number)
+        act()
 
 
 def end_program(number: int, frame: FrameType | None) -> None:

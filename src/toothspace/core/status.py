@@ -11,12 +11,15 @@ class Status(Enum):
     DONE = "Done."
     NOT_CYCLIC = (
         "The run reached its last revolution before two successive revolutions agreed. "
-        "Raise run.max_revolutions while they come closer; where they no longer do, the machine "
-        "repeats itself after several revolutions: set run.revolutions."
+        "Raise run.max_revolutions."
+    )
+    NOT_REPEATING = (
+        "Successive revolutions differ and no longer come closer: the machine repeats itself after "
+        "several revolutions, or never. Set run.revolutions; the results are of the last of them."
     )
     STEP_TOO_SMALL = (
-        "The time step fell below its limit. Look at the last events in the result; "
-        "loosen run.relative_tolerance or check clearances and pressures."
+        "The time step fell below its limit. Look at the warnings and at the last events in the "
+        "result; check clearances, the timing of the ports and pressures."
     )
     MAX_STEPS = "The maximum number of steps was reached. Raise run.max_steps."
     NOT_CONVERGED = (

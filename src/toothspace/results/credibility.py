@@ -57,10 +57,13 @@ def with_warnings(
     highest_pressure : float
         Pressure up to which the properties of the fluid are known. [Pa]
     checks : iterable of DesignCheck
-        Design-rule report of the machine; what it says of files that were read is reported.
+        Design-rule report of the machine. What it says of files that were read is reported, and
+        all of it where pressures leave the range of the fluid or the run ended at a step.
     """
-    drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
-    told = (_pressure(solution, highest_pressure), _numbers(solution), _bodies(solution), drawing)
+    pressure = list(_pressure(solution, highest_pressure))
+    broken = bool(pressure) or solution.status is Status.STEP_TOO_SMALL
+    rules = [c.sentence for c in checks if not c.passed and (c.of_drawing or broken)]
+    told = (pressure, _numbers(solution), _bodies(solution), rules)
     found = "\n".join(sentence for part in told for sentence in part)
     return solution.with_note(found)
 
@@ -133,7 +136,7 @@ def _numbers(solution: Solution) -> Iterator[str]:
             f"Overall efficiency is {overall:.4f}, above 1, which no machine has. "
             "Tighten run.relative_tolerance."
         )
-    whole = solution.status in (Status.DONE, Status.NOT_CYCLIC)
+    whole = solution.status in (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING)
     for name, limit in BALANCE_LIMITS.items():
         value = numbers.get(name, math.nan)
         if value > limit and whole:

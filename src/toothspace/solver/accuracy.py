@@ -68,9 +68,10 @@ def march_to_balance(
     tolerance = machine.condition.relative_tolerance
     history = _counted(march_revolutions(machine.at(tolerance), plan, progress, state), tolerance)
     while plan.revolutions is None:
-        if history.status is not Status.DONE and not history.stalled:
+        if history.status not in (Status.DONE, Status.NOT_REPEATING):
             break
-        if not history.stalled and window_ledger(history).energy_balance_error <= ENERGY_BALANCE:
+        repeats = history.status is Status.DONE
+        if repeats and window_ledger(history).energy_balance_error <= ENERGY_BALANCE:
             break
         tolerance *= _TIGHTER
         left = plan.max_revolutions - int(history.statistics["revolutions"])
@@ -78,7 +79,7 @@ def march_to_balance(
             break
         rest = replace(plan, max_revolutions=left)
         again = march_revolutions(machine.at(tolerance), rest, progress, first_turn_state(history))
-        if history.status is Status.DONE and again.status is not Status.DONE:
+        if repeats and again.status is not Status.DONE:
             break
         history = _counted(again, tolerance, history.statistics)
     return history

@@ -64,8 +64,6 @@ class History:
     events: tuple[Event, ...]
     revolutions: int
     statistics: dict[str, float]
-    stalled: bool = False
-    """Whether successive revolutions differ without coming closer."""
 
 
 def march_revolutions(
@@ -83,7 +81,7 @@ def march_revolutions(
     limit = plan.revolutions or plan.max_revolutions
     previous: Piece | None = None
     status = Status.DONE if plan.revolutions else Status.NOT_CYCLIC
-    done, stalled = 0, False
+    done = 0
     changes: list[float] = []
     search: _PeriodicSearch | None = None
     try:
@@ -102,8 +100,8 @@ def march_revolutions(
             if changes and changes[-1] <= 1.0:
                 status = Status.DONE
                 break
-            stalled = _stalled(changes)
-            if stalled:
+            if _stalled(changes):
+                status = Status.NOT_REPEATING
                 break
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
@@ -124,7 +122,6 @@ def march_revolutions(
         previous.events,
         done,
         {**march.statistics, "revolutions": float(done)},
-        stalled,
     )
 
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import gc
-import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
-from types import FrameType, FunctionType
+from types import FunctionType
 from typing import Any, final
 
 from toothspace.core.compilation.cache import compiled_folder
-from toothspace.core.interrupts import ENDING, end_program
+from toothspace.core.interrupts import interrupts_held
 from toothspace.core.memory import require_memory
 
 _SHORTEST = 0.5
@@ -34,7 +32,7 @@ class Notice:
         self._expected = 0
         self._started = 0.0
         self._shown = 0.0
-        self._interrupted = False
+        self._end_here: Callable[[], None] = lambda: None
 
     @contextlib.contextmanager
     def making_ready(self, function: Callable[..., Any]) -> Iterator[None]:
@@ -47,11 +45,11 @@ class Notice:
                 self._depth -= 1
             return
         require_memory()  # LLVM ends the process where it gets none
-        self._depth, self._done, self._interrupted = 1, 0, False
+        self._depth, self._done = 1, 0
         self._expected = len(reachable(function))
         self._started = self._shown = time.perf_counter()
         try:
-            with _without_collector(), self._late_interrupt():
+            with _without_collector(), interrupts_held() as self._end_here:
                 yield
         finally:
             self._depth = 0
@@ -60,8 +58,7 @@ class Notice:
 
     def step(self) -> None:
         """Count a function that is about to be compiled."""
-        if self._interrupted:
-            raise KeyboardInterrupt
+        self._end_here()  # not inside the compiler
         require_memory()
         self._done += 1
         self._expected = max(self._expected, self._done)
@@ -79,28 +76,6 @@ class Notice:
         if sys.stderr.isatty() and self._shown > self._started:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()
-
-    @contextlib.contextmanager
-    def _late_interrupt(self) -> Iterator[None]:
-        """Raise KeyboardInterrupt where one function ends, not inside the compiler."""
-        raising = (signal.default_int_handler, end_program)
-        before: dict[int, Any] = {}
-        if threading.current_thread() is threading.main_thread():
-            handlers = {number: signal.getsignal(number) for number in ENDING}
-            before = {number: each for number, each in handlers.items() if each in raising}
-
-        def note(number: int, frame: FrameType | None) -> None:
-            self._interrupted = True
-
-        for number in before:
-            signal.signal(number, note)
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-        if self._interrupted:
-            raise KeyboardInterrupt
 
 
 NOTICE = Notice()

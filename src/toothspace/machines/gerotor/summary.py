@@ -116,7 +116,8 @@ def _timing_checks(pocket: Pockets, timing: Timing) -> tuple[DesignCheck, ...]:
         DesignCheck(
             "volume change of a sealed pocket over the largest pocket", 100.0 * trapped, "%",
             "below 1 %", trapped < _LARGEST_TRAPPED_SHARE,
-            "Fluid squeezed or stretched in a sealed pocket makes pressure peaks or cavitation.",
+            "Fluid squeezed or stretched in a sealed pocket makes pressure peaks or cavitation: "
+            "let the ports reach all over the pockets.",
         ),
     )  # fmt: skip
 
