@@ -2,7 +2,7 @@
 
 The assembly is drawn here with the CAD kernel, as a program would export it: axis along y,
 away from the origin, named parts, shafts, a keyway. ``toothspace`` then finds teeth, centre
-distance, bores, port edges and relief grooves in it. Needs ``pip install 'toothspace[cad]'``.
+distance, bores, port edges and relief grooves in it. Needs ``pip install "toothspace[cad]"``.
 
     python examples/pump_from_cad.py pump.step
 """

@@ -289,9 +289,9 @@ def test_leaking_stl_is_refused(tmp_path):
 def test_missing_step_package_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "OCP.STEPControl", None)
     path = write(tmp_path, "gear.step", "ISO-10303-21;")
-    with pytest.raises(GeometryError, match=r"pip install 'toothspace\[cad\]'"):
+    with pytest.raises(GeometryError, match=r'pip install "toothspace\[cad\]"'):
         load_closed_curves(path)
-    with pytest.raises(GeometryError, match=r"pip install 'toothspace\[cad\]'"):
+    with pytest.raises(GeometryError, match=r'pip install "toothspace\[cad\]"'):
         export_gear(generate_profile(MOTOR), path, 7.5e-3)
     assert path.read_text() == "ISO-10303-21;"
 

@@ -1,6 +1,6 @@
 """Gears drawn by independent programs, in every format, against the DIN formulas.
 
-Needs ``pip install 'toothspace[generators]'``. ``python -m tests.verification.test_cad_matrix``
+Needs ``pip install "toothspace[generators]"``. ``python -m tests.verification.test_cad_matrix``
 prints the table of docs/validation/cad_gears.md and draws the deviations of one gear.
 """
 

@@ -80,4 +80,4 @@ def test_what_the_lean_installation_lacks_is_named(fresh: Environment) -> None:
     (fresh.work / "gear.dxf").write_text("0\nEOF\n", encoding="utf-8")
     done = fresh.run("toothspace", "gear", "gear.dxf")
     assert done.returncode == 2
-    assert "pip install 'toothspace[cad]'" in done.stderr
+    assert 'pip install "toothspace[cad]"' in done.stderr

@@ -27,5 +27,5 @@ def package_of_extra(name: str, extra: str, use: str) -> Any:
         return import_module(name)
     except ImportError as error:
         raise GeometryError(
-            f"{use} but not the package for it, allowed after pip install 'toothspace[{extra}]'"
+            f'{use} but not the package for it, allowed after pip install "toothspace[{extra}]"'
         ) from error

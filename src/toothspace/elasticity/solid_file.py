@@ -59,7 +59,7 @@ class SolidFile:
         if program is None:
             raise GeometryError(
                 f"{self.label}: found no program gmsh, allowed with it on the path "
-                "(pip install 'toothspace[bodies]')"
+                '(pip install "toothspace[bodies]")'
             )
         with tempfile.TemporaryDirectory() as folder:
             text = self._meshed(program, Path(folder), scale * self.edge_length / _STEP_UNIT)

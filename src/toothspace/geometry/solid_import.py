@@ -121,5 +121,5 @@ def _require_ocp(path: Path) -> None:
     if not present:
         raise GeometryError(
             f"{path}: found a STEP file but not the package that reads it, allowed after "
-            f"pip install 'toothspace[cad]'"
+            'pip install "toothspace[cad]"'
         )

@@ -93,7 +93,7 @@ def _executor(count: int, scheduler: str) -> Executor:
     except ImportError as error:
         found = "no package 'distributed'"
         raise CaseError(
-            f"--scheduler: found {found}, allowed after pip install 'toothspace[cluster]'"
+            f'--scheduler: found {found}, allowed after pip install "toothspace[cluster]"'
         ) from error
     executor: Executor = Client(scheduler).get_executor()
     return executor

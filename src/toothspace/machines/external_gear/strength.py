@@ -49,10 +49,11 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     load = bearing_pressure(assembly, difference)
     sliding = assembly.spec.shaft_radius * condition.shaft_speed
     force = contact_force(assembly, difference)
+    heat, pitch = load * sliding, flank_pressure(assembly, force)
     rows = (
         ("bearing specific load", load, MAX_BEARING_PRESSURE, "MPa", _WHY_LOAD),
-        ("bearing p v", load * sliding, MAX_BEARING_PRESSURE_VELOCITY, "MPa m/s", _WHY_HEAT),
-        ("flank pressure", flank_pressure(assembly, force), MAX_FLANK_PRESSURE, "MPa", _WHY_PITS),
+        ("bearing p v, lubricated", heat, MAX_BEARING_PRESSURE_VELOCITY, "MPa m/s", _WHY_HEAT),
+        ("flank pressure at the pitch point", pitch, MAX_FLANK_PRESSURE, "MPa", _WHY_PITS),
         ("root stress", root_stress(assembly, force), MAX_ROOT_STRESS, "MPa", _WHY_ROOT),
     )
     return tuple(
