@@ -116,7 +116,7 @@ def first_column(iterations: int, size: float) -> Array:
 
 
 @njit(nogil=True, error_model="numpy")
-def extend(basis: Array, projected: Array, count: int, w: Array) -> float:
+def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
     """Modified Gram-Schmidt and the rotation of the new column; returns what is left.
 
     The last three rows of ``projected`` hold the cosines, the sines and the rotated right-hand
@@ -125,10 +125,10 @@ def extend(basis: Array, projected: Array, count: int, w: Array) -> float:
     cosine, sine, right = projected[-3], projected[-2], projected[-1]
     column = projected[:, count]
     for m in range(count + 1):
-        column[m] = dot(basis[m], w)
-        add_scaled(w, -column[m], basis[m])
-    below = norm(w)
-    basis[count + 1] = w / below if below > 0.0 else w
+        column[m] = dot(basis[m], product)
+        add_scaled(product, -column[m], basis[m])
+    below = norm(product)
+    basis[count + 1] = product / below if below > 0.0 else product
     for m in range(count):
         above = column[m]
         column[m] = cosine[m] * above + sine[m] * column[m + 1]

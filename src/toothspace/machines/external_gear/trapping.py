@@ -306,7 +306,7 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     )
 
 
-def parting_advice(assembly: Assembly) -> str:
+def groove_advice(assembly: Assembly) -> str:
     """Where to move the edge of the opening-side groove so that the mesh parts both ports.
 
     Returns
