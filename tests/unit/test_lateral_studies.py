@@ -15,7 +15,12 @@ import xarray as xr
 
 from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import Case, load_case
-from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
+from toothspace.case.study import (
+    BalanceSweepStudy,
+    BearingMapStudy,
+    HysteresisStudy,
+    NosePressureStudy,
+)
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import study_figures
@@ -116,6 +121,7 @@ def test_figures_and_page(kind: str, study: LateralStudy, tmp_path: Path) -> Non
         ("hysteresis_overlay", HysteresisStudy),
         ("nose_pressure", NosePressureStudy),
         ("balance_sweep", BalanceSweepStudy),
+        ("bearing_map", BearingMapStudy),
     ],
 )
 def test_shipped_cases_study_one_pump(name: str, kind: type) -> None:

@@ -17,6 +17,7 @@ COARSE = [
     "run.samples_per_revolution=180",
     "run.relative_tolerance=1e-5",
     "run.film_grid=[84,10]",
+    "run.film_angles_per_pitch=2",
     "run.film_steps_per_revolution=84",
 ]
 FUEL_MOTOR = [
@@ -25,8 +26,6 @@ FUEL_MOTOR = [
     'machine.floating_bearing.nose.center=["20 mm","31.53 mm"]',
     'machine.casing.inlet_angle="55 deg"',
     'machine.casing.outlet_angle="70 deg"',
-    'machine.relief_grooves.closing_side_offset="4.5 mm"',
-    'machine.relief_grooves.opening_side_offset="4.5 mm"',
     'operating_point.inlet_pressure="77.6 bar"',
     'operating_point.outlet_pressure="7.2 bar"',
 ]
