@@ -12,7 +12,7 @@ from toothspace.core.errors import ToothspaceError
 from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
 
 CASE = Path(__file__).parents[2] / "cases" / "hysteresis_055.toml"
-SEAL = 6.3
+SEAL = 6.45
 BEHIND_THE_SEAL = [(SEAL, -60.0), (60.0, -60.0), (60.0, 120.0), (SEAL, 120.0)]
 SQUARE = [(-30.0, 21.53), (-10.0, 21.53), (-10.0, 41.53), (-30.0, 41.53)]
 TRIANGLE = [(-30.0, 20.0), (0.0, 20.0), (-30.0, 50.0)]

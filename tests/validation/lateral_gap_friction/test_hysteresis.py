@@ -33,18 +33,7 @@ def _ways(study: LateralStudy) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.validation
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(
-            "hysteresis_055",
-            marks=pytest.mark.xfail(
-                strict=True, reason="static friction holds it 6 nm higher on the way up, 38.8 bar"
-            ),
-        ),
-        "hysteresis_078",
-    ],
-)
+@pytest.mark.parametrize("name", ["hysteresis_055", "hysteresis_078"])
 def test_bearing_rises_and_stays_higher_on_the_way_down(name: str) -> None:
     study = _study(name)
     assert study.status is Status.DONE
