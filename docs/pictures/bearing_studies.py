@@ -1,8 +1,8 @@
 """Pictures of the studies of the floating bearing.
 
 Run ``python docs/pictures/bearing_studies.py`` where ``toothspace study`` has left the folders
-``hysteresis_055_study``, ``hysteresis_overlay_study``, ``balance_sweep_study`` and
-``bearing_map_study`` of the cases.
+``hysteresis_055_study``, ``hysteresis_078_study``, ``hysteresis_overlay_study``,
+``balance_sweep_study`` and ``bearing_map_study`` of the cases.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ HERE = Path(__file__).resolve().parent
 PICTURES = (
     ("hysteresis_055", "hysteresis", "positions", "hysteresis_loops"),
     ("hysteresis_055", "hysteresis", "film_height", "hysteresis_films"),
+    ("hysteresis_078", "hysteresis", "wear", "lateral_wear"),
     ("hysteresis_overlay", "hysteresis", "positions", "hysteresis_overlay"),
     ("balance_sweep", "balance_sweep", "area_sensitivity", "area_sensitivity"),
     ("balance_sweep", "balance_sweep", "friction_sensitivity", "friction_sensitivity"),
