@@ -4,6 +4,7 @@
 ends each at a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder:
 nothing half-written under a final name, no draft of a finished command, every result readable,
 no process left, and ``study --resume`` completes with the numbers of a study that was not ended.
+A signal to Python before it has read the first file of the package is Python's to answer.
 Then limits on the size of files, full disks and temporary folders, folders that cannot be
 written, damaged caches, caches from the future, two processes on one cache, and too little
 memory. The exit code is the number of faults that did harm.
@@ -108,7 +109,8 @@ def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -
         found = [f"process {one.pid} is left" for one in left]
         for one in left:
             one.kill()
-        if end != signal.SIGKILL and ("Traceback" in messages or code in (1, 70, -11)):
+        begun = "toothspace" in messages or not messages.endswith("KeyboardInterrupt\n")
+        if begun and end != signal.SIGKILL and ("Traceback" in messages or code in (1, 70, -11)):
             found.append(f"code {code}: {messages[-300:]}")
         found += harm(folder, killed=end == signal.SIGKILL)
         if name == "study" and (folder / "study").is_dir():

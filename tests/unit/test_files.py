@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import tempfile
 import threading
 import time
 import weakref
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -111,6 +113,42 @@ def test_a_held_signal_acts_sooner_where_the_body_lets_it_unless_it_is_held_twic
     with ending_interrupts(), pytest.raises(KeyboardInterrupt):
         body()
     assert done == ["inner"]
+
+
+def test_a_signal_while_a_place_is_tried_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even for a moment is there an empty file under the final name."""
+    tried: list[Path] = []
+
+    def touch(path: Path) -> None:
+        tried.append(path)
+        path.write_bytes(b"")
+        signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr(Path, "touch", touch)
+    target = tmp_path / "report.html"
+    with ending_interrupts(), pytest.raises(KeyboardInterrupt):
+        require_writable(target, "-o", replace=False, endings=(".html",))
+    assert [path.name for path in tried] == [target.name]
+    assert tried[0] != target
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_signal_while_a_draft_is_made_leaves_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = tempfile.mkstemp
+
+    def make(*names: Any, **options: Any) -> tuple[int, str]:
+        found = made(*names, **options)
+        signal.raise_signal(signal.SIGTERM)
+        return found
+
+    monkeypatch.setattr(tempfile, "mkstemp", make)
+    with ending_interrupts(), pytest.raises(KeyboardInterrupt):
+        write_text(tmp_path / "report.html", "text")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_signal_inside_an_import_waits_for_its_end(

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from toothspace.core.errors import CaseError, GeometryError, ToothspaceError
+from toothspace.core.interrupts import interrupts_held
 
 _LONGEST_PREFIX = 40
 """A draft takes so much of the name of its target, so that long names fit the file system."""
@@ -40,9 +41,10 @@ def draft_of(target: str | Path) -> Iterator[Path]:
     Path
         The draft. It is removed, and the target left as it was, where the body fails.
     """
-    target = Path(target)
-    draft = _new_draft(target)
+    target, draft = Path(target), None
     try:
+        with interrupts_held():
+            draft = _new_draft(target)
         yield draft
         with draft.open("rb") as file:
             # a network disk may say only now that it is full
@@ -50,7 +52,8 @@ def draft_of(target: str | Path) -> Iterator[Path]:
         draft.chmod(0o644)
         draft.replace(target)
     except BaseException:
-        draft.unlink(missing_ok=True)
+        if draft is not None:
+            draft.unlink(missing_ok=True)
         raise
 
 
@@ -198,12 +201,13 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
             raise CaseError(f"{target}: {option}: found {found}, allowed an existing one")
         if target.exists():
             _require_replaceable(target, option, replace=replace)
-        else:
-            # names may be too long or hold what the disk refuses
-            with target.open("xb"):
-                pass
-            target.unlink()
-        _new_draft(target).unlink()
+        # names may be too long or hold what the disk refuses; a kill leaves none of that name
+        place = target.parent
+        with (
+            interrupts_held(),
+            tempfile.TemporaryDirectory(dir=place, prefix=".", suffix=".part") as folder,
+        ):
+            (Path(folder) / target.name).touch()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         found = f"{reason!r} on writing"
