@@ -28,8 +28,8 @@ SOURCE = ValidationSource(
     "Position hysteresis of the floating bearing of a fuel pump",
     "D. Thiagarajan, A. Vacca, S. Watkins, Mech. Syst. Signal Process. 129 (2019) 659-676.",
     "The publication is normalised. Reference pressure 194 bar and speed 8500 rpm, gears, springs, "
-    "areas and grooves are reconstructed; the seal line is free and stands at 6.45 mm, in the middle "
-    "of the window in which both loops show what the source says.",
+    "areas and grooves are reconstructed; the seal line is free and stands at 6.45 mm, in a window "
+    "of 0.12 mm in which both loops show what the source says.",
 )
 
 LARGEST_FILM = 4.0
