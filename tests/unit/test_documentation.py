@@ -28,7 +28,14 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 DOCS = REPOSITORY / "docs"
 PAGES = sorted(p for p in DOCS.rglob("*.md") if not {"_build", "api"} & set(p.parts))
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-HEAVY = {"gerotor", "startup", "floating_bearing", "own_cad_pair", "study_on_a_cluster"}
+HEAVY = {
+    "gerotor",
+    "startup",
+    "floating_bearing",
+    "own_cad_pair",
+    "own_step_pair",
+    "study_on_a_cluster",
+}
 COMMANDS = typer.main.get_command(application).commands
 
 

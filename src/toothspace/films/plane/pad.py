@@ -199,7 +199,7 @@ class Pad:
     def _gap(self, x: Array, y: Array) -> Array:
         xs, ys = np.meshgrid(x, y, indexing="ij")
         if self.shape is not None:
-            return np.ascontiguousarray(np.broadcast_to(self.shape(xs, ys), xs.shape), dtype=float)
+            return np.array(np.broadcast_to(self.shape(xs, ys), xs.shape), dtype=float, order="C")
         slope = (self.outlet_height - self.inlet_height) / self.length
         return np.asarray(self.inlet_height + slope * xs)
 
