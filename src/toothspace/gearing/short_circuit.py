@@ -26,7 +26,7 @@ _PORTS = ("inlet", "outlet")
 
 @final
 @dataclass(frozen=True)
-class RatedCondition:
+class DesignCondition:
     """Condition at which design rules judge; the low-pressure side is at one atmosphere."""
 
     pressure: float = 200e5
@@ -44,7 +44,7 @@ class RatedCondition:
         return f"at {self.pressure * 1e-5:.4g} bar, {self.shaft_speed * 30.0 / np.pi:.4g} rpm"
 
 
-TYPICAL = RatedCondition()
+TYPICAL = DesignCondition()
 """Condition for machines without one of their own."""
 
 
@@ -101,7 +101,7 @@ def opening_checks(
     paths: Sequence[FlowPath],
     displacement: float,
     closed_by: float = 0.0,
-    condition: RatedCondition = TYPICAL,
+    condition: DesignCondition = TYPICAL,
 ) -> tuple[DesignCheck, ...]:
     """Seal between both ports, and relief grooves that chambers meet.
 
@@ -111,7 +111,7 @@ def opening_checks(
         See :func:`joined_area`.
     displacement : float
         Displaced volume. [m3/rad]
-    condition : RatedCondition
+    condition : DesignCondition
         Pressure and speed of the short circuit.
 
     Returns

@@ -17,7 +17,7 @@ from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
-from toothspace.machines.external_gear.trapping import groove_advice, rated_condition
+from toothspace.machines.external_gear.trapping import design_condition, sealing_edge
 from toothspace.machines.shared_bearings import bearing_checks
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
@@ -43,9 +43,9 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     journals, displaced = loads.journal_bearings(assembly), displacement(assembly)
     families = drive.chambers(loads.BODIES[0]), driven.chambers(loads.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
-    short, *opened = opening_checks(families, paths, displaced, 0.0, rated_condition(assembly))
+    short, *opened = opening_checks(families, paths, displaced, 0.0, design_condition(assembly))
     if not short.passed:
-        short = replace(short, reason=short.reason + groove_advice(assembly))
+        short = replace(short, reason=short.reason + sealing_edge(assembly))
     checks = (
         *design_checks(assembly),
         short,

@@ -9,7 +9,7 @@ from toothspace.gearing.flank_contacts import rigid_mesh
 from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.meshing import displacement
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.trapping import rated_condition
+from toothspace.machines.external_gear.trapping import design_condition
 from toothspace.model.description import DesignCheck
 
 RADIAL_LOAD_COEFFICIENT = 0.85
@@ -44,7 +44,7 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """
     if assembly.spec.keys.casing.wear_in is None:
         return ()
-    condition = rated_condition(assembly)
+    condition = design_condition(assembly)
     difference = condition.pressure_difference
     load = bearing_pressure(assembly, difference)
     sliding = assembly.spec.shaft_radius * condition.shaft_speed

@@ -24,7 +24,7 @@ from toothspace.gearing.short_circuit import (
     DENSITY,
     SHORT_CIRCUIT_LIMIT,
     TYPICAL,
-    RatedCondition,
+    DesignCondition,
     in_series,
 )
 from toothspace.gearing.spaces import Spaces, section_areas
@@ -180,12 +180,12 @@ def _throat(assembly: Assembly, side: Throats) -> Way:
     return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
-def trapping(chain: MeshChain, assembly: Assembly, condition: RatedCondition) -> Trapping:
+def trapping(chain: MeshChain, assembly: Assembly, condition: DesignCondition) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
 
     Parameters
     ----------
-    condition : RatedCondition
+    condition : DesignCondition
         Pressure and shaft speed.
 
     Returns
@@ -229,7 +229,7 @@ def _exchange_drop(chain: MeshChain, speed: float) -> float:
     return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
 
 
-def _pressures(chain: MeshChain, is_pump: bool, condition: RatedCondition) -> Array:
+def _pressures(chain: MeshChain, is_pump: bool, condition: DesignCondition) -> Array:
     """Pressure of each space: flows over pressure drops of the last iterate, solved anew. [Pa]."""
     low, high = ATMOSPHERIC_PRESSURE, condition.pressure
     inlet, outlet = (low, high) if is_pump else (high, low)
@@ -257,10 +257,10 @@ def _pressures(chain: MeshChain, is_pump: bool, condition: RatedCondition) -> Ar
     return found
 
 
-def rated_condition(assembly: Assembly) -> RatedCondition:
+def design_condition(assembly: Assembly) -> DesignCondition:
     """Pressure and speed of running-in, or typical ones where the gears do not run in."""
     wear = assembly.spec.keys.casing.wear_in
-    return TYPICAL if wear is None else RatedCondition(wear.pressure, wear.shaft_speed)
+    return TYPICAL if wear is None else DesignCondition(wear.pressure, wear.shaft_speed)
 
 
 def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
@@ -274,7 +274,7 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     grooves = assembly.spec.grooves
     if assembly.spec.keys.casing.wear_in is None or grooves is None:
         return ()
-    condition, estimate = rated_condition(assembly), _estimates(assembly)
+    condition, estimate = design_condition(assembly), _estimates(assembly)
     found = estimate(grooves)
     peak_limit = PEAK_LIMIT * condition.pressure
     drop_limit = SINGLE_FLANK_LIMIT * condition.pressure
@@ -306,7 +306,7 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     )
 
 
-def groove_advice(assembly: Assembly) -> str:
+def sealing_edge(assembly: Assembly) -> str:
     """Where to move the edge of the opening-side groove so that the mesh parts both ports.
 
     Returns
@@ -325,8 +325,8 @@ def groove_advice(assembly: Assembly) -> str:
 
 
 def _estimates(assembly: Assembly) -> Callable[[ReliefGrooves], Trapping]:
-    """What the mesh does with relief grooves at the rated condition."""
-    spaces, condition = assembly.spaces(_NODES), rated_condition(assembly)
+    """What the mesh does with relief grooves at the condition of the rules."""
+    spaces, condition = assembly.spaces(_NODES), design_condition(assembly)
 
     def estimate(grooves: ReliefGrooves) -> Trapping:
         moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
