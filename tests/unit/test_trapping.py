@@ -45,11 +45,14 @@ def test_peak_agrees_with_the_run_of_the_machine(closing, opening, simulated):
 
 
 @pytest.mark.parametrize(("opening", "lost"), [(2.8, 0.0069), (2.4, 0.0232), (2.0, 0.0519)])
-def test_short_circuit_is_that_by_which_the_flow_of_the_run_falls(opening, lost):
-    """Loss of volumetric efficiency against grooves at 3.4 mm; within 0.015 of the ideal flow."""
+def test_short_circuit_is_no_less_than_the_flow_of_the_run_loses(opening, lost):
+    """Loss of volumetric efficiency against grooves at 3.4 mm, in lumped runs at 200 bar.
+
+    Both ports' full difference at the orifices, gears in the middle: 1.3 to 1.7 times the loss.
+    """
     assembly = _pump(0.107, 3.4, opening)
     found = trapping(mesh_chain(assembly, assembly.spaces(720)), assembly, TYPICAL)
-    assert found.short_circuit == pytest.approx(lost, abs=0.015)
+    assert lost < found.short_circuit < 1.75 * lost
 
 
 @pytest.mark.parametrize("mode", ["pump", "motor"])
