@@ -35,7 +35,7 @@ def _checks(assembly):
 
 
 @pytest.mark.parametrize(
-    ("closing", "opening", "simulated"), [(3.4, 3.4, 242.2), (3.2, 3.652, 211.5), (3.5, 3.5, 301.6)]
+    ("closing", "opening", "simulated"), [(3.4, 3.4, 242.9), (3.2, 3.652, 211.9), (3.5, 3.5, 302.1)]
 )
 def test_peak_agrees_with_the_run_of_the_machine(closing, opening, simulated):
     """Lumped runs of the pump at 1500 rpm, 200 bar, backlash 0.107 mm; within 15 %."""
@@ -44,12 +44,15 @@ def test_peak_agrees_with_the_run_of_the_machine(closing, opening, simulated):
     assert found.peak_pressure / BAR == pytest.approx(simulated, rel=0.15)
 
 
-@pytest.mark.parametrize(("opening", "lost"), [(2.8, 0.0070), (2.4, 0.0239), (2.0, 0.0539)])
-def test_short_circuit_is_that_by_which_the_flow_of_the_run_falls(opening, lost):
-    """Loss of volumetric efficiency against grooves at 3.4 mm; within 0.015 of the ideal flow."""
+@pytest.mark.parametrize(("opening", "lost"), [(2.8, 0.0069), (2.4, 0.0232), (2.0, 0.0519)])
+def test_short_circuit_is_no_less_than_the_flow_of_the_run_loses(opening, lost):
+    """Loss of volumetric efficiency against grooves at 3.4 mm, in lumped runs at 200 bar.
+
+    Both ports' full difference at the orifices, gears in the middle: 1.3 to 1.7 times the loss.
+    """
     assembly = _pump(0.107, 3.4, opening)
     found = trapping(mesh_chain(assembly, assembly.spaces(720)), assembly, TYPICAL)
-    assert found.short_circuit == pytest.approx(lost, abs=0.015)
+    assert lost < found.short_circuit < 1.75 * lost
 
 
 @pytest.mark.parametrize("mode", ["pump", "motor"])
