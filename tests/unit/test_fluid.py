@@ -110,6 +110,17 @@ def test_a_table_reproduces_the_fluid_it_was_made_of(tmp_path: Path, rows: list[
     assert law.compliance == pytest.approx(expected.compliance, rel=1e-3)
 
 
+def test_semicolons_separate_and_decimal_commas_are_refused(
+    tmp_path: Path, rows: list[str]
+) -> None:
+    law = fluid_law(written(tmp_path, rows), 323.15)
+    semicolons = [row.replace(",", ";") for row in rows]
+    assert fluid_law(written(tmp_path, semicolons), 323.15) == law
+    commas = [semicolons[0], *(row.replace(".", ",") for row in semicolons[1:])]
+    with pytest.raises(CaseError, match="found '40,0', allowed a number with a decimal point"):
+        fluid_law(written(tmp_path, commas), 323.15)
+
+
 def test_a_table_is_interpolated_over_temperature(tmp_path: Path, rows: list[str]) -> None:
     fit = fit_table(written(tmp_path, rows), 318.15)
     expected = fluid_law("iso_vg_46", 318.15)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.fake_solution import fake_description, fake_solution
@@ -16,6 +17,7 @@ from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import html, report_html, write_report
 from toothspace.report.document import document_lines
 from toothspace.report.html import report_contents
+from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
 from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import format_value, quantity
@@ -110,6 +112,17 @@ def test_exceeded_limits_are_warnings() -> None:
     assert any("Highest chamber pressure is 900 bar" in text for text in contents["warnings"])
 
 
+def test_cavitation_index_is_one_number_in_limits_and_summary() -> None:
+    data = fake_solution().data
+    angle = data["shaft_angle"]
+    fraction = data["chamber_pressure"] * 0.0 + 0.1 * (1.0 + np.cos(3.0 * angle))
+    solution = replace(fake_solution(), data=data.assign(chamber_vapour_fraction=fraction))
+    (limit,) = (x for x in limits_of(solution, None) if x.label.startswith("Cavitation"))
+    index = float(solution.summary()["cavitation_index_W"])
+    assert index > 0.0
+    assert limit.value.startswith(f"{index:.4g} W")
+
+
 def test_report_shows_every_figure_and_chapter(page: str, parsed: Resources) -> None:
     steady = [e for e in FIGURES if e.sampled not in ("transient", "start") and not e.rotors]
     lacking = {"film_radius", "journal_film_height"}
@@ -164,7 +177,7 @@ def test_machine_is_not_rebuilt_from_changed_files(repository: Path) -> None:
 
 def test_verdict_names_work_efficiency_and_largest_loss() -> None:
     text = verdict(fake_solution())
-    assert text.startswith("At 1500 rpm the motor turns 7.73 L/min into")
+    assert text.startswith("At 1500 rpm, from 200 to 1 bar, the motor turns 7.73 L/min into")
     assert "volumetric 96.0 %" in text
     assert "the largest loss is friction, journal bearings, with 55 W" in text
 

@@ -36,6 +36,7 @@ from toothspace.core.keys import (
     shown,
 )
 from toothspace.core.units import as_text
+from toothspace.library import shipped_folder
 
 _KEPT_MACHINES = 16
 _machines: dict[str, Any] = {}
@@ -246,8 +247,9 @@ class Case(CaseTables):
 
     @property
     def label(self) -> str:
-        """File that it was read from, or ``case``, for messages."""
-        return str(self.source or "case")
+        """File that it was read from, name of a shipped case, or ``case``, for messages."""
+        shipped = self.source is None or self.source.parent == shipped_folder("cases")
+        return self.name if shipped else str(self.source)
 
     def __repr__(self) -> str:
         condition = next(name for name in CONDITIONS if getattr(self, name) is not None)
@@ -298,9 +300,10 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
         document, path = Document("case", dict(source)), None
     else:
         path = path_of(source, "case", "a file, the name of a shipped case, or tables")
-        if not path.suffix and path.name == str(source) and not path.exists():
+        label = str(path)
+        if not path.suffix and path.name == label and not path.exists():
             path = shipped_case(path.name)
-        document = read_document(path, str(path) if path.name != str(source) else str(source))
+        document = read_document(path, label)
     try:
         values = [split_override(override) for override in given]
     except KeyRuleError as error:

@@ -66,6 +66,6 @@ def named(case_file: Path) -> Iterator[None]:
     try:
         yield
     except ToothspaceError as error:
-        if str(error).startswith(str(case_file)):
+        if str(error).startswith((str(case_file), f"{case_file.stem}: ")):
             raise
         raise type(error)(f"{case_file}: {error}") from error

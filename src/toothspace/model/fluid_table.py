@@ -1,6 +1,6 @@
 """Liquid properties from a user's table over temperature and pressure.
 
-The table is a CSV file with a header such as
+The table is a CSV file, separated by commas or semicolons, with a header such as
 ``temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]`` and, if known,
 ``vapour_pressure [Pa]`` and ``specific_heat_capacity [J/(kg K)]``. Rows of one temperature
 form an isotherm of at least three pressures.
@@ -126,7 +126,7 @@ def _number(path: Path | Columns, name: str, row: int, text: str, unit: str) -> 
     try:
         value = to_si(float(text), unit)
     except ValueError:
-        _fail(path, place, repr(text.strip()), "a number")
+        _fail(path, place, repr(text.strip()), "a number with a decimal point")
     if not np.isfinite(value):
         _fail(path, place, text.strip(), "a finite number")
     if value < 0.0 or (value == 0.0 and name in _POSITIVE):
@@ -140,8 +140,10 @@ def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
         if isinstance(path, Columns):
             lines = list(enumerate(path.lines(), start=1))
         else:
-            with path.open(encoding="utf-8-sig", newline="") as file:
-                lines = [(k, line) for k, line in enumerate(csv.reader(file), start=1) if any(line)]
+            text = path.read_text(encoding="utf-8-sig")
+            separator = ";" if ";" in text.partition("\n")[0] else ","
+            cells = csv.reader(text.splitlines(), delimiter=separator)
+            lines = [(k, line) for k, line in enumerate(cells, start=1) if any(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise CaseError(
             f"fluid.table: found {path} unreadable ({error}), allowed a CSV file"

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.model.description import MachineDescription
-from toothspace.results.performance import vapour_collapse_power
 from toothspace.results.solution import Solution
 
 _BAR, _MPA = 1e5, 1e6
@@ -76,11 +75,12 @@ def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
 
 
 def _cavitation(solution: Solution) -> JudgedLimit:
-    power = vapour_collapse_power(solution.data)
-    share = power / max(abs(float(solution.summary()["hydraulic_power_W"])), 1e-12)
+    summary = solution.summary()
+    power = float(summary["cavitation_index_W"])
+    share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
     return JudgedLimit(
         "Cavitation damage index: power of collapsing vapour",
-        f"{power:.3g} W, {100.0 * share:.2g} % of the hydraulic power",
+        f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
         "no vapour",
         "met" if power == 0.0 else "exceeded",
         "potential energy of cavities, Fortes-Patella, Reboud, Briancon-Marjollet (2004)",

@@ -23,7 +23,8 @@ def verdict(solution: Solution) -> str:
         work = f"turns {flow:.2f} L/min into {torque:.2f} N m"
     else:
         work = f"delivers {flow:.2f} L/min for {torque:.2f} N m"
-    text = f"At {speed:.0f} rpm the {mode} {work}."
+    low, high = (_number(numbers, f"{port}_pressure_bar") for port in ("inlet", "outlet"))
+    text = f"At {speed:.0f} rpm, from {low:.3g} to {high:.3g} bar, the {mode} {work}."
     if math.isfinite(overall):
         parts = ("volumetric", "hydromechanical")
         shares = [f"{p} {100.0 * _number(numbers, f'{p}_efficiency'):.1f} %" for p in parts]
@@ -54,7 +55,7 @@ def _lost(losses: Sequence[LossCause]) -> str:
         shares[entry.cause] = shares.get(entry.cause, 0.0) + 100.0 * entry.share
     named = sorted(shares.items(), key=lambda item: -item[1])
     parts = [f"{cause} {share:.1f}" for cause, share in named if share >= 0.05]
-    text = f"lost points: {', '.join(parts)}" if parts else "no losses"
+    text = f"points of efficiency lost: {', '.join(parts)}" if parts else "no losses"
     total = sum(entry.power for entry in losses)
     if total <= 0.0:
         return text
