@@ -135,13 +135,16 @@ def test_results_do_not_depend_on_the_way_of_compiling(tmp_path: Path) -> None:
 
 
 def test_an_untested_numba_compiles_every_function_on_its_own(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.delenv("TOOTHSPACE_COMPILATION", raising=False)
+    monkeypatch.setattr(decorators, "parent_process", lambda: None)  # not one of several workers
     monkeypatch.setattr(numba, "__version__", "9.9.0")
     assert not decorators._parts_wanted()
+    assert "Numba 9.9.0 (tested with 0.68): the first use" in capsys.readouterr().err
     monkeypatch.setattr(numba, "__version__", f"{decorators.TESTED[0]}.0")
     assert decorators._parts_wanted()
+    assert not capsys.readouterr().err
 
 
 def test_the_cache_follows_content_not_place_or_time(tmp_path: Path) -> None:

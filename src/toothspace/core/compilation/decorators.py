@@ -8,6 +8,8 @@ results are the same, the first use takes minutes.
 from __future__ import annotations
 
 import os
+import sys
+from multiprocessing import parent_process
 from typing import Any
 
 import numba
@@ -22,7 +24,13 @@ TESTED = ("0.68",)
 def _parts_wanted() -> bool:
     if os.environ.get("TOOTHSPACE_COMPILATION") == "plain":
         return False
-    return numba.__version__.rpartition(".")[0] in TESTED
+    if numba.__version__.rpartition(".")[0] in TESTED:
+        return True
+    if parent_process() is None:
+        known = f"tested with {', '.join(TESTED)}"
+        slow = "the first use of every function compiles, some minutes in all"
+        print(f"Numba {numba.__version__} ({known}): {slow}", file=sys.stderr)
+    return False
 
 
 PARTS = _parts_wanted()
