@@ -29,7 +29,7 @@ def _parts_wanted() -> bool:
     if parent_process() is None:
         known = f"tested with {', '.join(TESTED)}"
         slow = "the first use of every function compiles, some minutes in all"
-        print(f"Numba {numba.__version__} ({known}): {slow}", file=sys.stderr)
+        sys.stderr.write(f"Numba {numba.__version__} ({known}): {slow}\n")
     return False
 
 
