@@ -42,7 +42,7 @@ def _read_again(numba: Any) -> None:
     """Let Numba take its number of threads from the environment now, not with a later function."""
     try:
         numba.config.reload_config()
-    except RuntimeError:  # a fork of a process with threads: what they are told is refused
+    except RuntimeError:  # threads of a forked process run already, and their number is fixed
         del os.environ["NUMBA_NUM_THREADS"]
 
 
