@@ -274,29 +274,6 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
 
 
 @njit(nogil=True, error_model="numpy")
-def _left(stencil: Array, x: Array, sides: Array, shape: tuple[int, int]) -> Array:
-    """Residual of every solution over its right-hand side. [-]."""
-    rows, lanes = shape
-    out = np.zeros(len(sides))
-    for k in range(len(sides)):
-        left, whole = 0.0, 0.0
-        for i in range(rows):
-            west, east = (i + rows - 1) % rows * lanes, (i + 1) % rows * lanes
-            for j in range(lanes):
-                r = i * lanes + j
-                total = stencil[r, 2] * x[k, r]
-                total += stencil[r, 0] * x[k, west + j] + stencil[r, 4] * x[k, east + j]
-                if j > 0:
-                    total += stencil[r, 1] * x[k, r - 1]
-                if j < lanes - 1:
-                    total += stencil[r, 3] * x[k, r + 1]
-                left += (sides[k, r] - total) ** 2
-                whole += sides[k, r] ** 2
-        out[k] = np.sqrt(left / whole) if whole > 0.0 else np.sqrt(left)
-    return out
-
-
-@njit(nogil=True, error_model="numpy")
 def _refine(
     stencil: Array, blocks: Blocks, unit: Array, sides: Array, x: Array, relative_tolerance: float
 ) -> int:
@@ -358,16 +335,15 @@ class BlockSystem:
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = np.ascontiguousarray(rhs.reshape(-1, rhs.shape[-1]))
-        x, goal = np.zeros(sides.shape), relative_tolerance
+        x, goal, tried = np.zeros(sides.shape), relative_tolerance, 0
         if start is not None:
             x[:] = start.reshape(sides.shape)
         elif goal >= _ROUGH:
             # blocks of a matrix nearby are often enough by themselves
             x[:] = [_substitute(self.blocks, self._unit, side) for side in sides]
-            self.effort = 1
-            if (_left(self._stencil, x, sides, self.blocks.known.shape) <= goal).all():
-                return x.reshape(rhs.shape)
-        self.effort = _refine(self._stencil, self.blocks, self._unit, sides, x, goal)
+            tried = 1
+        more = _refine(self._stencil, self.blocks, self._unit, sides, x, goal)
+        self.effort = max(tried, more)
         return x.reshape(rhs.shape)
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import NamedTuple, final
+from typing import NamedTuple, TypeVar, final
 
 import numpy as np
 
@@ -85,6 +85,7 @@ class DeformationResponse:
         return [p.combine(s) for p, s in zip(self.basis, parts, strict=True)]
 
 
+T = TypeVar("T")
 _AT_A_TIME = 200_000
 """Cells of the changes that are held at a time for one film: each takes six fields. [-]"""
 
@@ -163,6 +164,11 @@ def _loads(film: FaceFilm, changes: Array) -> Array:
     return np.array([film.grid.moments(c, film.boundary.mask.film) for c in changes]).T
 
 
+def _of_each(one: Callable[[StackState], T], states: Sequence[StackState]) -> tuple[T, ...]:
+    """Outcome of a function for every state, at the same time where their films are large."""
+    return in_parallel(one, states, states[0].stack.cells)
+
+
 def next_deformation(
     states: Sequence[StackState], used: Fields, low: float
 ) -> tuple[Fields, float]:
@@ -178,12 +184,10 @@ def next_deformation(
         Pressure under which nothing deforms. [Pa]
     """
 
-    def one(n: int) -> list[Array]:
-        state = states[n]
+    def one(state: StackState) -> list[Array]:
         return state.stack.compliance.distant(state.face_pressures(low), state.snapshot)
 
-    change, cells = 0.0, states[0].stack.cells
-    found = list(in_parallel(one, range(len(states)), cells))
+    change, found = 0.0, list(_of_each(one, states))
     for state, new, old in zip(states, found, used, strict=True):
         for film, a, b in zip(state.films, new, old, strict=True):
             floor = max(film.law.roughness, 1e-8)
@@ -277,8 +281,7 @@ class DeformationIteration:
         def one(state: StackState) -> DeformationResponse:
             return response(state, fineness, self._frequency, _SERVING)
 
-        cells = states[0].stack.cells
-        self.responses |= zip(own, in_parallel(one, own.values(), cells), strict=True)
+        self.responses |= zip(own, _of_each(one, list(own.values())), strict=True)
         return mean_coefficients(self._own)
 
     def pull(self) -> Array | float:
@@ -342,8 +345,7 @@ def film_coefficients(
     """Stiffness and damping of films, with the predicted deformation if there is one."""
     if fineness is None:
         return mean_coefficients(states)
-    cells = states[0].stack.cells
-    return mean_coefficients(in_parallel(lambda s: response(s, fineness, 0.0), states, cells))
+    return mean_coefficients(_of_each(lambda s: response(s, fineness, 0.0), states))
 
 
 def overstep(states: Sequence[StackState], step: Array, openings: Fields | None = None) -> float:
