@@ -84,11 +84,20 @@ def lobes(angle: np.ndarray, **changes: Any) -> ContactPair:
         "geometry": smooth_table(TURN, geometry),
         "gap_by_motion": smooth_table(TURN, np.column_stack([*direction, lever])),
         "slip_by_motion": smooth_table(TURN, np.column_stack([*along, 8e-3 * ones])),
+        "gap_by_shift_and_turn": smooth_table(TURN, _curvatures(angle)),
         "width": 12e-3,
         "effective_modulus": 2.26e11,
         "roughness": 4e-7,
     }
     return ContactPair(**{**settings, **changes})
+
+
+def _curvatures(angle: np.ndarray) -> np.ndarray:
+    """Circles of 8 mm in hollows of 10 mm, hollows a little farther round at some angles."""
+    flatness = 40e-3 + 8e-3 * np.sin(angle)
+    inner = 120.0
+    columns = [inner - inner**2 * flatness, inner * flatness, -flatness - 8e-3]
+    return np.column_stack(columns)
 
 
 def _no_motion() -> Any:

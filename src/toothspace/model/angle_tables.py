@@ -136,6 +136,10 @@ def _contact_table(contact: ContactPair, motions: Sequence[Motion]) -> AngleTabl
     nodes = _nodes(contact.geometry)
     columns = _channel_columns(CONTACT_CHANNELS, contact.geometry)
     columns += _motion_columns("gap", contact.gap_by_motion(nodes), motions, ("1", "m/rad"))
+    if contact.gap_by_shift_and_turn is not None:
+        second = contact.gap_by_shift_and_turn(nodes)
+        names = ("gap_by_shifts", "1/m"), ("gap_by_shift_and_turn", "1"), ("gap_by_turns", "m")
+        columns += [Column(*n, v) for n, v in zip(names, second.T, strict=True)]
     meaning = f"contact of {contact.body_a} and {contact.body_b}"
     return _angle_table(meaning, contact, nodes, columns)
 

@@ -55,11 +55,13 @@ CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
 # Columns of ``path_values``: geometry, drag and shear speed, d(height)/d(each free motion).
 GEOMETRY, DRAG_SPEED, SHEAR_SPEED, HEIGHT_BY_MOTION = 0, 3, 4, 5
 
-# Planes of ``contact_values``, and their columns: in a rigid mesh, and where contacts are
-# compliant instead; d(slip)/d(each free motion) follow those of the gap.
-VALUE, SLOPE = range(2)
+# Planes of ``contact_values``: at nominal place, their slopes by the angle, where the bodies are.
+VALUE, SLOPE, DISPLACED = range(3)
+# Their columns: in a rigid mesh, and where contacts are compliant instead; d(slip)/d(each free
+# motion) follow those of the gap.
 GAP, LOAD_SHARE, RADIUS_A, RADIUS_B, SLIDING, ROLLING = range(6)
-CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
+CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE = 1, 2, 3, 6
+BY_SHIFTS, BY_SHIFT_AND_TURN, BY_TURNS, GAP_BY_MOTION = 7, 8, 9, 10
 
 # Columns of ``contact``: what acts in a contact, then constants of its pair.
 (
@@ -70,6 +72,7 @@ CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
 ) = range(21)  # fmt: skip
 CONTACT_STATE = 10
 CONTACT_COLUMNS = 21
+"""Then the relative rotation of the two bodies by each free motion."""
 
 # Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise; the port area is
 # that on which inlet pressure pushes and outlet pressure pulls.

@@ -313,7 +313,7 @@ def _work(sizes: Sizes) -> dict[str, Any]:
         "chamber_slopes": np.zeros((channels, sizes.chambers)).T,
         "path_values": np.zeros((col.HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,
         # room for two at least: fewer would be another layout, to be compiled once more
-        "contact_values": np.zeros((2, gap_channels, max(sizes.contacts, 2))).transpose(0, 2, 1),
+        "contact_values": np.zeros((3, gap_channels, max(sizes.contacts, 2))).transpose(0, 2, 1),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),

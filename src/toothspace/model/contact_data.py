@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -18,7 +19,7 @@ from toothspace.closures.contact_law import (
 from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import MachineDescription, Motion
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.tables import OPEN
@@ -82,12 +83,17 @@ def contact_parts(
     else:
         tables = [contact.geometry for contact in each]
     count = sum(contact.count for contact in contacts)
-    rows = [row for c in contacts for row in [_constants(c)] * c.count]
+    turns = [relative_rotation(contact, description.motions) @ motion_map for contact in contacts]
+    rows = [
+        row
+        for contact, turn in zip(contacts, turns, strict=True)
+        for row in [np.append(_constants(contact), turn)] * contact.count
+    ]
     return ContactParts(
         tables=tables,
         pairs=contacts,
         gate=col.POSSIBLE if compliant else OPEN,
-        data=np.array(rows, dtype=float).reshape(count, col.CONTACT_COLUMNS),
+        data=np.array(rows, dtype=float).reshape(count, col.CONTACT_COLUMNS + motion_map.shape[1]),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
@@ -109,6 +115,36 @@ def _constants(contact: ContactPair) -> Array:
     return row
 
 
+def relative_rotation(contact: ContactPair, motions: Sequence[Motion]) -> Array:
+    """Rotation of body b relative to body a by every motion. Shape (motions,). [-]."""
+    sign = {contact.body_a: -1.0, contact.body_b: 1.0}
+    turns = [sign.get(m.body, 0.0) if m.axis == "rotation" else 0.0 for m in motions]
+    return np.array(turns, dtype=float)
+
+
+def displaced_gap(contact: ContactPair, angle: Array, turns: Array, motion: Array) -> Array:
+    """Gap of a compliant contact where its bodies are. Shape (samples, contacts). [m].
+
+    Parameters
+    ----------
+    angle : ndarray
+        Table angles. Shape (samples, contacts). [rad]
+    turns : ndarray
+        :func:`relative_rotation` of the contact.
+    motion : ndarray
+        Micro-motions. Shape (samples, motions). [m], [rad]
+    """
+    gap = contact.geometry(angle)[..., 0]
+    gap = gap + np.sum(contact.gap_by_motion(angle) * motion[:, None, :], axis=2)
+    if contact.gap_by_shift_and_turn is None or contact.slip_by_motion is None:
+        return np.asarray(gap, dtype=float)
+    shift = np.sum(contact.slip_by_motion(angle) * motion[:, None, :], axis=2)
+    turn = (motion @ turns)[:, None]
+    by_shifts, mixed, by_turns = np.moveaxis(contact.gap_by_shift_and_turn(angle), -1, 0)
+    gap += 0.5 * (by_shifts * shift**2 + 2.0 * mixed * shift * turn + by_turns * turn**2)
+    return np.asarray(gap, dtype=float)
+
+
 def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
     """Join what compiled code reads of a compliant contact, in the order of its columns."""
     geometry, motions = contact.geometry, motion_map.shape[1]
@@ -123,6 +159,9 @@ def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
     columns = [col.CURVATURE, col.LAW_LEVEL, col.LAW_EXPONENT]
     values[:, columns], slopes[:, columns] = law.values, law.slopes
     values[:, col.POSSIBLE] = geometry.values[:, 0] < contact.facing_gap
+    if contact.gap_by_shift_and_turn is not None:
+        values[:, col.BY_SHIFTS : col.GAP_BY_MOTION] = contact.gap_by_shift_and_turn.values
+        slopes[:, col.BY_SHIFTS : col.GAP_BY_MOTION] = contact.gap_by_shift_and_turn.slopes
     first = col.GAP_BY_MOTION
     for table in (contact.gap_by_motion, contact.slip_by_motion):
         if table is not None:

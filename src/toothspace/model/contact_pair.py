@@ -33,9 +33,12 @@ class ContactPair:
     Compliant contact with overlap :math:`x = -g` and elastic energy U(x):
 
     .. math:: F = U'(x) \max\left(0, 1 + \tfrac34 (1 - c_r^2) \frac{\dot x}{v_0}\right),
-        \qquad g = g_0(\theta) + \sum_k \frac{\partial g}{\partial q_k}(\theta) q_k .
+        \qquad g = g_0(\theta) + \sum_k \frac{\partial g}{\partial q_k}(\theta) q_k
+        + \tfrac12 \left(A u^2 + 2 B u \delta + C \delta^2\right) .
 
-    A squeeze film adds :math:`c(g) L \max(0, \dot x)`.
+    The last term is that of finite displacements: curved surfaces that shift by u along each other
+    and turn by :math:`\delta` touch at other places. A squeeze film adds
+    :math:`c(g) L \max(0, \dot x)`.
     """
 
     name: str
@@ -72,6 +75,11 @@ class ContactPair:
     the tangent t for x and y of body b, minus t for those of body a, and for a rotation the
     distance of the contact from the body's centre along the normal, minus it for body a. Friction
     then acts on these motions; None: on the shaft only. [-], [m/rad]
+    """
+    gap_by_shift_and_turn: PeriodicTable | None = None
+    """Second derivatives A, B, C of the gap by the tangential displacement u of body b relative to
+    body a, by u and its relative rotation, and by that rotation twice, for a body a that does not
+    turn but with the shaft; None: the gap is linear in the motions. [1/m], [-], [m]
     """
     law: Literal["hertz_line", "johnson", "pereira", "linear"] = "hertz_line"
     """Elastic law of a compliant contact: ``hertz_line`` (approach of points below the surface),

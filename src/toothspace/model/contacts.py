@@ -4,12 +4,14 @@ The gap of a contact follows the shaft and the micro-motions, and so do its forc
 
 .. math::
 
-    g = g_0(\theta) + \sum_k g_k(\theta)\, q_k, \qquad
-    Q_k = F g_k + F_t\, t_k, \qquad
+    g = g_0(\theta) + \sum_k g_k(\theta)\, q_k
+        + \tfrac12 (A u^2 + 2 B u \delta + C \delta^2), \qquad
+    Q_k = F \frac{\partial g}{\partial q_k} + F_t\, t_k, \qquad
     M = -F \frac{\partial g}{\partial \theta} - F_t\, s
         + \left.\frac{\partial U}{\partial \theta}\right|_g
 
-with the normal force F, the friction force :math:`F_t = -\mu(v)\, F`, the slip
+with the tangential shift :math:`u = \sum_k t_k q_k` and the relative rotation :math:`\delta` of
+the surfaces, the normal force F, the friction force :math:`F_t = -\mu(v)\, F`, the slip
 :math:`v = s\, \omega + \sum_k t_k \dot q_k` and the torque M that the shaft has to give. The
 last term is the work that a flank of varying curvature asks for. Work, stored energy
 and losses then balance to round-off.
@@ -20,7 +22,7 @@ from __future__ import annotations
 from toothspace.closures.contact_law import impact_factor, logarithmic_law, power_law, rounded_depth
 from toothspace.closures.squeeze_film import REACH, squeeze_damping
 from toothspace.closures.traction import FlankSurface, mesh_friction
-from toothspace.core.compiled import kernel
+from toothspace.core.compiled import inlined, kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
@@ -59,14 +61,43 @@ def contact_gap(s: SystemArrays, state: Array, j: int) -> float:
     gap = values[j, col.GAP]
     for k in range(s.size.motions):
         gap += values[j, col.GAP_BY_MOTION + k] * state[s.size.position + k]
-    return gap
+    shift = _shifted(s, values, state, s.size.position, j)
+    turn = _turned(s, state, s.size.position, j)
+    by_shift, by_turn = by_shift_and_turn(values, j, shift, turn)
+    return gap + 0.5 * (by_shift * shift + by_turn * turn)
+
+
+@inlined
+def _shifted(s: SystemArrays, plane: Array, state: Array, first: int, j: int) -> float:
+    """Displacement of the surfaces along each other by motions of a state, or its rate."""
+    shift, slip = 0.0, col.GAP_BY_MOTION + s.size.motions
+    for k in range(s.size.motions):
+        shift += plane[j, slip + k] * state[first + k]
+    return shift
+
+
+@inlined
+def _turned(s: SystemArrays, state: Array, first: int, j: int) -> float:
+    """Relative rotation of the bodies by motions of a state, or its rate."""
+    turn = 0.0
+    for k in range(s.size.motions):
+        turn += s.contact[j, col.CONTACT_COLUMNS + k] * state[first + k]
+    return turn
+
+
+@inlined
+def by_shift_and_turn(plane: Array, j: int, shift: float, turn: float) -> tuple[float, float]:
+    """Derivatives of the second-order part of a gap by shift and rotation."""
+    mixed = plane[j, col.BY_SHIFT_AND_TURN]
+    by_shift = plane[j, col.BY_SHIFTS] * shift + mixed * turn
+    return by_shift, mixed * shift + plane[j, col.BY_TURNS] * turn
 
 
 @kernel
 def update_contacts(s: SystemArrays, state: Array) -> None:
     """Forces of all compliant contacts and their sums on the free motions."""
     size, contact, motion = s.size, s.contact, s.motion
-    values = s.contact_values[col.VALUE]
+    values, displaced = s.contact_values[col.VALUE], s.contact_values[col.DISPLACED]
     for k in range(size.motions):
         motion[k, col.CONTACT_LOAD] = 0.0
     for j in range(size.compliant):
@@ -74,14 +105,14 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
         if gap >= reach_of(contact[j]):
             contact[j, : col.CONTACT_STATE] = 0.0
             continue
-        rate, by_angle, slip = _rates(s, state, j)
+        rate, by_angle, slip = displace_contact(s, state, j)
         press(s, j, -gap, -rate)
         cushion(s, j, gap, -rate)
         rub(s, j, slip, values[j, col.ROLLING] * state[1])
         contact[j, col.CONTACT_TORQUE] -= contact[j, col.CONTACT_FORCE] * by_angle
         contact[j, col.CONTACT_TORQUE] -= contact[j, col.CONTACT_FRICTION] * values[j, col.SLIDING]
         for k in range(size.motions):
-            load = contact[j, col.CONTACT_FORCE] * values[j, col.GAP_BY_MOTION + k]
+            load = contact[j, col.CONTACT_FORCE] * displaced[j, col.GAP_BY_MOTION + k]
             along = values[j, col.GAP_BY_MOTION + size.motions + k]
             motion[k, col.CONTACT_LOAD] += load + contact[j, col.CONTACT_FRICTION] * along
 
@@ -95,23 +126,39 @@ def note_approach(s: SystemArrays, state: Array) -> None:
     for j in range(s.size.compliant):
         loss = s.contact[j, col.PAIR_LOSS]
         if loss > 0.0 and contact_gap(s, state, j) >= s.contact[j, col.PAIR_ONSET]:
-            rate, _, _ = _rates(s, state, j)
+            rate, _, _ = displace_contact(s, state, j)
             s.contact[j, col.PAIR_DAMPING] = loss / max(-rate, LEAST_IMPACT)
 
 
 @kernel
-def _rates(s: SystemArrays, state: Array, j: int) -> tuple[float, float, float]:
-    """Rate of the gap [m/s], its part by the angle [m/rad] and the slip [m/s] of a contact."""
+def displace_contact(s: SystemArrays, state: Array, j: int) -> tuple[float, float, float]:
+    """Derivatives of the gap of a contact where the bodies are, and what they change in time.
+
+    Returns the rate of the gap [m/s], its part by the angle [m/rad] and the slip [m/s].
+    """
     size, values, slopes = s.size, s.contact_values[col.VALUE], s.contact_values[col.SLOPE]
-    by_angle = slopes[j, col.GAP]
-    slip = values[j, col.SLIDING] * state[1]
+    displaced, place, speed = s.contact_values[col.DISPLACED], size.position, size.velocity
+    shift, turn = _shifted(s, values, state, place, j), _turned(s, state, place, j)
+    drift, slide = _shifted(s, slopes, state, place, j), _shifted(s, values, state, speed, j)
+    by_shift, by_turn = by_shift_and_turn(values, j, shift, turn)
+    new_by_shift, new_by_turn = by_shift_and_turn(slopes, j, shift, turn)
+    by_angle = slopes[j, col.GAP] + 0.5 * (new_by_shift * shift + new_by_turn * turn)
+    by_angle += by_shift * drift
+    faster_by_shift, faster_by_turn = by_shift_and_turn(
+        values, j, slide + drift * state[1], _turned(s, state, speed, j)
+    )
+    faster_by_shift += new_by_shift * state[1]
+    faster_by_turn += new_by_turn * state[1]
     rate = 0.0
     for k in range(size.motions):
-        speed = state[size.velocity + k]
-        by_angle += slopes[j, col.GAP_BY_MOTION + k] * state[size.position + k]
-        rate += values[j, col.GAP_BY_MOTION + k] * speed
-        slip += values[j, col.GAP_BY_MOTION + size.motions + k] * speed
-    return rate + by_angle * state[1], by_angle, slip
+        gap, slip = col.GAP_BY_MOTION + k, col.GAP_BY_MOTION + size.motions + k
+        along, about = values[j, slip], s.contact[j, col.CONTACT_COLUMNS + k]
+        displaced[j, gap] = values[j, gap] + by_shift * along + by_turn * about
+        turned = (slopes[j, gap] + by_shift * slopes[j, slip]) * state[1]
+        displaced[j, slip] = turned + faster_by_shift * along + faster_by_turn * about
+        by_angle += slopes[j, gap] * state[place + k]
+        rate += displaced[j, gap] * state[speed + k]
+    return rate + by_angle * state[1], by_angle, slide + values[j, col.SLIDING] * state[1]
 
 
 @kernel

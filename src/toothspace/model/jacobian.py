@@ -20,6 +20,7 @@ from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
 from toothspace.model.circuit import update_elements
+from toothspace.model.contacts import by_shift_and_turn
 from toothspace.model.drive import add_coupling
 from toothspace.model.fluid_column import FLUID_COLUMN, add_column
 from toothspace.model.lateral_lookup import add_film_rates
@@ -188,26 +189,31 @@ def add_films(s: SystemArrays, matrix: Array) -> None:
 @kernel
 def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives of normal and friction forces of the compliant contacts on the motions."""
-    size, values, slopes = s.size, s.contact_values[col.VALUE], s.contact_values[col.SLOPE]
+    size, values, displaced = s.size, s.contact_values[col.VALUE], s.contact_values[col.DISPLACED]
     for j in range(size.compliant):
         contact = s.contact[j]
         if contact[col.CONTACT_FORCE] == 0.0:
             continue
         friction_slope = contact[col.FRICTION_BY_FORCE]
         for m in range(size.motions):
-            gap = values[j, col.GAP_BY_MOTION + m]
+            gap = displaced[j, col.GAP_BY_MOTION + m]
             slip = values[j, col.GAP_BY_MOTION + size.motions + m]
-            turned = slopes[j, col.GAP_BY_MOTION + m] * state[1]
+            turned = displaced[j, col.GAP_BY_MOTION + size.motions + m]
+            by_shift, by_turn = by_shift_and_turn(values, j, slip, contact[col.CONTACT_COLUMNS + m])
             by_place = -contact[col.FORCE_BY_OVERLAP] * gap - contact[col.FORCE_BY_RATE] * turned
             by_speed = -contact[col.FORCE_BY_RATE] * gap
             dragged = friction_slope * by_speed + contact[col.FRICTION_BY_SLIP] * slip
             for k in range(size.motions):
                 mass = s.motion[k, col.MOTION_MASS]
-                normal = values[j, col.GAP_BY_MOTION + k] / mass
+                normal = displaced[j, col.GAP_BY_MOTION + k] / mass
                 along = values[j, col.GAP_BY_MOTION + size.motions + k] / mass
+                about = contact[col.CONTACT_COLUMNS + k] / mass
                 row = size.velocity + k
                 place, speed = size.position + m, size.velocity + m
                 matrix[row, place] += (normal + along * friction_slope) * by_place
+                matrix[row, place] += contact[col.CONTACT_FORCE] * (
+                    by_shift * along + by_turn * about
+                )
                 matrix[row, speed] += normal * by_speed + along * dragged
 
 

@@ -13,7 +13,7 @@ from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
-from toothspace.model.contact_data import loaded_contacts
+from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
 from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
@@ -407,10 +407,9 @@ def _contact_gaps(history: History) -> Array:
     gaps = []
     for contact in loaded_contacts(system.description, system.condition):
         angles = contact.phases + contact.angle_ratio * shaft_angle
-        gap = contact.geometry(angles)[..., 0]
-        if size.compliant:
-            gap = gap + np.sum(contact.gap_by_motion(angles) * motion[:, None, :], axis=2)
-        gaps.append(gap)
+        turns = relative_rotation(contact, system.description.motions)
+        rigid = contact.geometry(angles)[..., 0]
+        gaps.append(displaced_gap(contact, angles, turns, motion) if size.compliant else rigid)
     return np.hstack(gaps)
 
 

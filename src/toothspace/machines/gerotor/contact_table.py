@@ -1,12 +1,18 @@
 r"""Lobe contacts of two rotors over the angle: gap, direction, arms, curvature, speeds.
 
-Every place where the outlines come closest is a contact. Its gap to first order in the planar
-displacement and the rotation of the outer rotor,
+Every place where the outlines come closest is a contact. Its gap by the planar displacement and
+the rotation of the outer rotor,
 
-.. math:: g = g_0(\psi) + n_x x + n_y y + (x_b n_y - y_b n_x)\,\delta,
+.. math::
 
-has the unit normal n from the inner to the outer rotor and the point :math:`(x_b, y_b)` from
-the outer rotor's centre. Angles are those of the outer rotor.
+    g = g_0(\psi) + n_x x + n_y y + (x_b n_y - y_b n_x)\,\delta
+        + \tfrac12 \left(\kappa_i u^2 - \frac{(\delta - \kappa_i u)^2}{\kappa_i + \kappa_o}
+        - (\mathbf r_b \cdot \mathbf n)\,\delta^2\right),
+
+has the unit normal n from the inner to the outer rotor and the point :math:`\mathbf r_b = (x_b,
+y_b)` from the outer rotor's centre. The second order is that of circles with the curvatures
+:math:`\kappa_i, \kappa_o` of the outlines, which shift by u along each other: they touch
+elsewhere. Angles are those of the outer rotor.
 """
 
 from __future__ import annotations
@@ -36,6 +42,9 @@ _FOLLOWED = 0.12
 
 _APART, _FADED = 0.4, 0.04
 _RADIUS_RANGE = 0.04, 4000.0
+_FLATTEST = 16.0
+"""Radius of relative curvature over the eccentricity beyond which the nearest place wanders farther
+than the curvatures hold."""
 _FADING_NODES = 8
 _SPEED_NODES = 2
 _MOST_KINDS = 12
@@ -85,6 +94,25 @@ class LobeContact:
         """Derivative of the gap by the outer rotor's own rotation. [m/rad]."""
         x, y = self.outer_point.T
         return np.asarray(x * self.normal[:, 1] - y * self.normal[:, 0], dtype=float)
+
+    def second_derivatives(self, eccentricity: float) -> Array:
+        """By tangential shift twice, shift and rotation, rotation of the outer rotor twice.
+
+        Parameters
+        ----------
+        eccentricity : float
+            Distance of the axes, which gives the scale. [m]
+
+        Returns
+        -------
+        ndarray
+            Shape (nodes, 3), nought where the contact does not exist. [1/m], [-], [m]
+        """
+        inner = 1.0 / self.radius_inner
+        relative = np.maximum(inner + 1.0 / self.radius_outer, 1.0 / (_FLATTEST * eccentricity))
+        arm = np.sum(self.outer_point * self.normal, axis=1)
+        columns = [inner - inner**2 / relative, inner / relative, -1.0 / relative - arm]
+        return np.where(self.near[:, None], np.column_stack(columns), 0.0)
 
 
 def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:

@@ -60,7 +60,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     journals = journal_bearings(spec)
     checks = (*design_checks(spec, pocket, timing, ports), *bearing_checks(journals))
     columns = motion_columns(spec)
-    contacts = rotor_contacts(spec, pocket.rotors)
+    clearance = float(np.median(pocket.path.gap))
+    contacts = rotor_contacts(spec, pocket.rotors, clearance)
     family, film = _families(spec, pocket, columns)
     # the pockets feed the film through the faces of the outer rotor
     share = smooth_table(FULL_TURN, film_by_motion(spec, pocket)[:, columns])
@@ -69,7 +70,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     bore = shapes["casing"]
     rim_circle = bore * rim / (rim + 2.0 * spec.housing.radial_clearance)
     walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
-    ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
+    ratio = contact_ratio(contacts, clearance)
     return MachineDescription(
         name="gerotor",
         mode=spec.use,

@@ -8,14 +8,16 @@ from typing import Literal
 import numpy as np
 from scipy.ndimage import minimum_filter1d
 
+from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
+from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.bodies import BODIES, motions
 from toothspace.machines.gerotor.contact_table import LobeContact, fading, lobe_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
-from toothspace.model.contact_pair import ContactPair
+from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair
 from toothspace.model.description import Motion
-from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+from toothspace.numerics.periodic_table import monotone_table, sum_of_tables
 
 _ALONG = 2e-6
 LAWS: dict[str, Literal["hertz_line", "johnson", "pereira"]] = {
@@ -26,28 +28,41 @@ LAWS: dict[str, Literal["hertz_line", "johnson", "pereira"]] = {
 """Law of the model for every law of a case."""
 
 
-def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[ContactPair, ...]:
+def rotor_contacts(
+    parameters: GerotorParameters, rotors: Rotors, clearance: float
+) -> tuple[ContactPair, ...]:
     """Contacts of the lobes of a machine, or the one pair of single-contact theory.
 
     Parameters
     ----------
     parameters : GerotorParameters
         Keys ``[machine]``.
+    rotors : Rotors
+        Rotors at nominal position.
+    clearance : float
+        Normal gap of conjugate lobes there. [m]
 
     Returns
     -------
     tuple of ContactPair
         One per kind of contact: ``lobe_0`` lives longest.
+
+    Notes
+    -----
+    Gaps are of second order about the place where the rotors run, the outer one turned until the
+    driving lobes touch: farther away by that rotation the nearest places are others.
     """
-    contacts = lobe_contacts(rotors)
+    sign = 1.0 if parameters.mode == "pump" else -1.0
+    turn = -sign * clearance / (rotors.outer_tooth_count * rotors.eccentricity)
+    outer = turned(rotors.outer, np.asarray(turn))
+    contacts = lobe_contacts(replace(rotors, outer=outer))
     if parameters.contact.theory == "single":
-        sign = 1.0 if parameters.mode == "pump" else -1.0
         contacts = (single_contact(contacts[0], sign, rotors.eccentricity),)
-    return tuple(_pair(parameters, rotors, f"lobe_{k}", c) for k, c in enumerate(contacts))
+    return tuple(_pair(parameters, rotors, f"lobe_{k}", c, turn) for k, c in enumerate(contacts))
 
 
 def _pair(
-    parameters: GerotorParameters, rotors: Rotors, name: str, contact: LobeContact
+    parameters: GerotorParameters, rotors: Rotors, name: str, contact: LobeContact, turn: float
 ) -> ContactPair:
     settings, ratio = parameters.contact, rotors.speed_ratio
     material = library_material(parameters.rotors.material, "machine.rotors.material")
@@ -62,6 +77,8 @@ def _pair(
     ]
     geometry = monotone_table(contact.period, np.column_stack(columns))
     geometry.slopes[:, 0] = np.where(contact.near, contact.gap_rate, 0.0)
+    back, by_motion = _from_nominal(rotors, contact, moved, turn)
+    geometry = sum_of_tables(geometry, monotone_table(contact.period, back))
     return ContactPair(
         name=name,
         body_a=BODIES[0],
@@ -69,8 +86,13 @@ def _pair(
         angle_ratio=ratio,
         phases=np.asarray(contact.pitch * np.arange(contact.copies), dtype=float),
         geometry=geometry,
-        gap_by_motion=_by_motion(rotors, contact, moved, along=False),
-        slip_by_motion=_by_motion(rotors, contact, moved, along=True),
+        gap_by_motion=monotone_table(contact.period, by_motion),
+        slip_by_motion=monotone_table(
+            contact.period, _by_motion(rotors, contact, moved, along=True)
+        ),
+        gap_by_shift_and_turn=monotone_table(
+            contact.period, contact.second_derivatives(rotors.eccentricity)
+        ),
         width=parameters.rotors.face_width,
         effective_modulus=reduced_modulus(material, material),
         roughness=float(np.sqrt(2.0) * parameters.rotors.roughness),
@@ -82,6 +104,25 @@ def _pair(
         squeeze_film=settings.squeeze_film == "on",
         facing_gap=float(contact.gap.max()),
     )
+
+
+def _from_nominal(
+    rotors: Rotors, contact: LobeContact, moved: tuple[Motion, ...], turn: float
+) -> tuple[Array, Array]:
+    """What a contact of turned rotors has at nominal place: added geometry, derivatives of the gap.
+
+    Both to second order, as at any other place.
+    """
+    by_shifts, mixed, by_turns = contact.second_derivatives(rotors.eccentricity).T
+    shift = np.sum(contact.outer_point * contact.normal, axis=1) * turn
+    by_shift, by_turn = by_shifts * shift + mixed * turn, mixed * shift + by_turns * turn
+    back = np.zeros((contact.gap.size, len(CONTACT_CHANNELS)))
+    back[:, 0] = 0.5 * (by_shift * shift + by_turn * turn) - contact.lever * turn
+    back[~contact.near] = 0.0
+    along = _by_motion(rotors, contact, moved, along=True)
+    about = np.array([float(m.body == BODIES[1] and m.axis == "rotation") for m in moved])
+    by_motion = _by_motion(rotors, contact, moved, along=False)
+    return back, by_motion - by_shift[:, None] * along - by_turn[:, None] * about
 
 
 def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:
@@ -108,7 +149,7 @@ def half_lobe(rotors: Rotors) -> float:
 
 def _by_motion(
     rotors: Rotors, contact: LobeContact, moved: tuple[Motion, ...], *, along: bool
-) -> PeriodicTable:
+) -> Array:
     """Derivatives of gap or slip by every micro-motion of both rotors."""
     direction = contact.normal
     if along:
@@ -123,7 +164,7 @@ def _by_motion(
             column[:] = sign * (x * direction[:, 1] - y * direction[:, 0])
         elif motion.axis in "xy":
             column[:] = sign * direction[:, "xy".index(motion.axis)]
-    return monotone_table(contact.period, columns)
+    return columns
 
 
 def single_contact(contact: LobeContact, sign: float, eccentricity: float) -> LobeContact:
