@@ -67,6 +67,9 @@ def test_films_and_chambers_agree_about_leakage_and_torque(
     drag = float(solution.data["drag_torque"].sel(path=["lateral", "drain"]).sum("path").mean())
     assert friction + drag == pytest.approx(found["lateral_torque_N_m"], rel=0.03)
     assert abs(found["energy_balance_error"]) < 1e-3  # type: ignore[arg-type]
+    warmest = found["highest_film_temperature_degC"]
+    assert found["inlet_temperature_degC"] < found["drain_temperature_degC"] <= warmest + 0.1  # type: ignore[operator]
+    assert warmest < 100.0  # type: ignore[operator]
     # the march stays where the search found it, because chambers that a gap drains let it close
     position = solution.data["bearing_position"]
     assert float(position.max() - position.min()) < 5e-6

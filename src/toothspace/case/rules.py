@@ -19,7 +19,7 @@ from toothspace.model.operating_point import OperatingCondition
 LEAST_LOAD = 5e3
 """Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
 
-_HEAT_PRESETS = ("lumped", "films")
+_HEAT_PRESETS = "lumped", "films", "elastic"
 
 
 def broken_rules(case: CaseTables) -> Iterator[Problem]:
@@ -43,7 +43,11 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
         given[0] != "operating_point" or case.run.fidelity not in _HEAT_PRESETS
     ):
         found = f"a table [heat] with [{given[0]}] and fidelity {case.run.fidelity!r}"
-        yield Problem("heat", found, "[operating_point] and fidelity 'lumped' or 'films'")
+        allowed = "[operating_point] and fidelity 'lumped', 'films' or 'elastic'"
+        yield Problem("heat", found, allowed)
+    elif case.heat.model == "coupled" and case.run.fidelity == "elastic":
+        found = "'coupled' with fidelity 'elastic'"
+        yield Problem("heat.model", found, "'network'; run.film_oil_share warms its lateral films")
     if case.fluid is not None:
         yield from _fluid(case)
     if case.operating_point is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from toothspace.case import Case
 from toothspace.core.progress import Progress
 from toothspace.results.solution import Solution
-from toothspace.simulation.heating import lateral_heating
+from toothspace.simulation.heating import lateral_heating, with_temperatures
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.coupling import PointRequest
 from toothspace.simulation.lateral.problem import LateralSettings, balance_of, require_floating_part
@@ -19,7 +19,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
     machine = run_in_machine(setup, progress)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
-    return coupled_solution(
+    found = coupled_solution(
         machine.description,
         machine.fluid,
         machine.at(condition, progress),
@@ -27,6 +27,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         case.run.film_steps_per_revolution,
         progress,
     )
+    return with_temperatures(case, machine.description, found)
 
 
 def lateral_settings(case: Case) -> LateralSettings:

@@ -55,11 +55,9 @@ def run_with_heat(
         Solution of a machine whose films have other viscosities.
     """
     solution = run(description)
-    if case.heat.model == "adiabatic" or solution.status is not Status.DONE:
-        return solution
+    if case.heat.model != "coupled" or solution.status is not Status.DONE:
+        return with_temperatures(case, description, solution)
     found = _temperatures(case, description, solution)
-    if case.heat.model == "network":
-        return _with_temperatures(solution, *found)
     supply, mixing = np.full(len(found[1]), fluid_temperature(case)), Mixing(_REMEMBERED)
     highest = temperature_range(fluid_keys(case).source)[1]
     tried = supply
@@ -81,7 +79,24 @@ def run_with_heat(
             return solution
         found = _temperatures(case, description, solution)
     warning = "" if change < _AGREED else _NOT_AGREED.format(change)
-    return _with_temperatures(solution, *found).with_note(warning)
+    return _told(solution, *found).with_note(warning)
+
+
+def with_temperatures(case: Case, description: MachineDescription, solution: Solution) -> Solution:
+    """Solution with the temperatures that its powers and flows give, which it does not feel.
+
+    Parameters
+    ----------
+    case : Case
+        Case with an operating point and ``[heat]``.
+    description : MachineDescription
+        Machine of the solution.
+    solution : Solution
+        Finished or not; only a finished one of a case that is not adiabatic has temperatures.
+    """
+    if case.heat.model == "adiabatic" or solution.status is not Status.DONE:
+        return solution
+    return _told(solution, *_temperatures(case, description, solution))
 
 
 def _sheared_share(case: Case, reached: float, highest: float) -> float:
@@ -139,9 +154,7 @@ def _warmed(
     return replace(description, laterals=laterals, journals=journals, paths=paths)
 
 
-def _with_temperatures(
-    solution: Solution, network: HeatNetwork, temperature: Mapping[str, float]
-) -> Solution:
+def _told(solution: Solution, network: HeatNetwork, temperature: Mapping[str, float]) -> Solution:
     found = dataset_from(
         {"temperature": list(temperature.values())}, {"heat_node": list(temperature)}
     )
