@@ -13,6 +13,7 @@ from tests.reference_formulas.elastic_film import ElasticWalls, solve_elastic_fi
 from toothspace.core.status import Status
 from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, solve_plane
+from toothspace.numerics.linear_system import UNSATURATED
 
 GRIDS = ((36, 10), (72, 20))
 """Cells round and across, the second half as large."""
@@ -57,6 +58,31 @@ def test_stiff_faces_leave_the_film_as_it_is() -> None:
     errors = [_off(_film(1e-25, c).pressure, _film(0.0, c).pressure) for c in GRIDS]
     assert errors[1] < 0.5 * errors[0]  # better than first order
     assert errors[1] < 3e-3
+
+
+@pytest.mark.parametrize("closing", [0.0, 1e-11, 1e-6])
+def test_ring_that_begins_empty_fills_between_pressures(closing: float) -> None:
+    """Also while it closes: cells that hold less than nothing take what flows in."""
+    stack = ring_stack(rough=False, approach=1e-13)
+    snapshot, rates = stack.snapshot(0.0, pressures(HIGH)), np.zeros(stack.size)
+    rates[0] = -closing
+    flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
+    full = stack.solve(snapshot, stack.start(GAP), rates, None, flat)
+    films = []
+    for film in full.films:
+        solution = film.solution
+        kind, unknown = solution.kind.copy(), solution.plane.fields
+        kind[:, :3] = UNSATURATED
+        potential = np.where(kind == UNSATURATED, 0.0, unknown.potential)
+        saturation = np.where(kind == UNSATURATED, 0.5, 1.0)
+        fields = replace(unknown, kind=kind, potential=potential, saturation=saturation)
+        plane = replace(solution.plane, fields=fields)
+        films.append(replace(film, solution=replace(solution, kind=kind, plane=plane)))
+    again = stack.solve(snapshot, stack.start(GAP), rates, replace(full, films=films), flat)
+    for film, wanted in zip(again.films, full.films, strict=True):
+        assert film.plane.status is Status.DONE
+        assert np.all(film.plane.fields.saturation == 1.0)
+        assert film.pressure == pytest.approx(wanted.pressure, rel=1e-6)
 
 
 @pytest.mark.parametrize("approach", [1e-14, 3e-13, 1e-12])

@@ -227,8 +227,11 @@ def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empt
 
 
 @njit(nogil=True)
-def exchange_kinds(kind: IntArray, unknowns: Array, scale: float) -> int:
-    """Exchange the kind of cells that break a bound; return how many did."""
+def exchange_kinds(kind: IntArray, unknowns: Array, scale: float, storage: Array) -> int:
+    """Exchange the kind of cells that break a bound; return how many did.
+
+    A cell that closes holds less than nothing where more flows in than out: it fills up.
+    """
     changed = 0
     lanes = kind.shape[1]
     for i in range(kind.shape[0]):
@@ -237,7 +240,9 @@ def exchange_kinds(kind: IntArray, unknowns: Array, scale: float) -> int:
             if kind[i, j] == 0 and value < -ROUNDING * scale:
                 kind[i, j] = 1
                 changed += 1
-            elif kind[i, j] == 1 and value > 1.0 + ROUNDING:
+            elif kind[i, j] == 1 and (
+                value > 1.0 + ROUNDING or (value < -ROUNDING and storage[i, j] < 0.0)
+            ):
                 kind[i, j] = 0
                 changed += 1
     return changed
@@ -385,7 +390,7 @@ def _revise(
 ) -> int:
     """Exchange the kinds of cells that break a bound; return how many did."""
     if constraint is Constraint.CONSERVING:
-        return int(exchange_kinds(kind, unknown, scale))
+        return int(exchange_kinds(kind, unknown, scale, balance.storage))
     if constraint is Constraint.OBSTACLE:
         return int(_revise_obstacle(balance, kind, unknown, scale))
     return 0

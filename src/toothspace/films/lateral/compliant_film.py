@@ -261,7 +261,7 @@ def solve_compliant(
         careful = _CAREFUL if number > _PATIENCE else 1.0
         largest = _take(kind, (gap, now.touch), how.roughness, careful, step, unknown, contact)
         used, scale = kind.copy(), _largest(kind, unknown)
-        changed = exchange_kinds(kind, unknown, scale)
+        changed = exchange_kinds(kind, unknown, scale, now.found.balance.storage)
         _put_on_bound(used, kind, unknown)
         settled = changed == 0 and largest <= how.accuracy.settled and not lost
         if settled or lost:
