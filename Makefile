@@ -52,9 +52,9 @@ sample: $(READY)  ## run a thirteenth of the slow tests, another one for every c
 	$(BIN)/python -m pytest -q -n $(WORKERS) -m slow --part $(PART)/$(PARTS) --minutes $(MINUTES)
 
 validate: $(READY)  ## run slow tests and validation against published numbers
-	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "slow or validation"
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m slow --deselect tests/validation/test_claims.py::test_full
 	mkdir -p build
-	$(BIN)/toothspace validate -o build/validation_book.html --force
+	$(BIN)/toothspace validate -o build/validation_book.html --force --workers $(WORKERS)
 
 bench: $(READY)  ## print the table of benchmarks, write the speed pages
 	$(BIN)/python -m benchmarks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,14 @@ def _break(effort: Effort) -> Evidence:
 
 CLAIMS = (
     Claim("stone", SOURCE, "A stone falls.", "One in a hundred.", _fall(9.81, 0.1)),
-    Claim("feather", SOURCE, "So does a feather.", "One in a hundred.", _fall(9.0, 0.1)),
+    Claim(
+        "feather",
+        SOURCE,
+        "So does a feather.",
+        "One in a hundred.",
+        _fall(9.0, 0.1),
+        reason="Air is left out.",
+    ),
     Claim("splash", SOURCE, "It splashes.", "The height is not published.", None),
     Claim("lost", SOURCE, "It is lost.", "None.", _break),
 )
@@ -119,7 +127,27 @@ def test_summary_names_what_fails(examined) -> None:
     assert found["failing"] == ["feather", "lost"]
     assert found["counts"] == {"pass": 1, "fail": 2, "cannot be had": 1}
     assert found["status"] == "failed"
+    assert found["unexpected"] == ["lost"]
     assert summary_of(examined[:3])["status"] == "done"
+
+
+def test_a_verdict_other_than_announced_fails() -> None:
+    late = replace(CLAIMS[1], reason="")
+    assert summary_of([book.examine(late)])["unexpected"] == ["feather"]
+    mended = replace(CLAIMS[0], reason="Stones float.")
+    found = summary_of([book.examine(mended)])
+    assert found["unexpected"] == ["stone"]
+    assert found["failing"] == []
+    assert found["status"] == "failed"
+
+
+def test_processes_find_what_one_does(monkeypatch) -> None:
+    chosen = [claim for claim in book.CLAIMS if claim.key.startswith("bertocchi")]
+    alone, shared = (book.examine_all(chosen, "short", workers=n) for n in (1, 2))
+    for one, other in zip(alone, shared, strict=True):
+        assert one.claim is other.claim
+        assert [v.ours for v in one.finding.values] == [v.ours for v in other.finding.values]
+        assert one.verdict == other.verdict == "pass"
 
 
 def test_command(tmp_path: Path, monkeypatch, capsys) -> None:

@@ -88,6 +88,7 @@ def validate(
     short: Annotated[
         bool, typer.Option("--short", help="Coarse grids and few points, in some minutes.")
     ] = False,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes.")] = 1,
     as_json: Json = False,
     force: Force = False,
 ) -> int:
@@ -97,12 +98,14 @@ def validate(
 
     target, claims = require_writable(book, "-o", replace=force, endings=(".html",)), selected(only)
     with output.progress("validate:") as progress:
-        examined = examine_all(claims, "short" if short else "full", progress)
+        examined = examine_all(claims, "short" if short else "full", progress, workers)
     write_book(examined, target)
     summary = summary_of(examined)
     verdicts = {name: found["verdict"] for name, found in summary["claims"].items()}
     output.write(summary if as_json else verdicts, as_json=as_json)
     output.message(f"Validation book: {target}")
+    for key in summary["unexpected"]:
+        output.message(f"{key}: {verdicts[key]}, other than this version announces")
     return 0 if summary["status"] == "done" else NUMERICAL_FAILURE
 
 

@@ -124,6 +124,9 @@ def _counts(examined: Sequence[Examined]) -> dict[str, int]:
 
 def summary_of(examined: Sequence[Examined]) -> dict[str, Any]:
     """Return what ``toothspace validate --json`` prints."""
+    judged = [one for one in examined if one.claim.measure is not None]
+    other = [one.claim.key for one in judged if (one.verdict == "pass") == bool(one.claim.reason)]
+    trouble = any(one.trouble for one in examined)
     return {
         "claims": {
             one.claim.key: {
@@ -136,6 +139,7 @@ def summary_of(examined: Sequence[Examined]) -> dict[str, Any]:
         },
         "counts": _counts(examined),
         "failing": [one.claim.key for one in examined if one.verdict == "fail"],
-        "status": "done" if not any(one.trouble for one in examined) else "failed",
+        "unexpected": other,
+        "status": "failed" if trouble or other else "done",
         "wall_time_s": sum(one.duration for one in examined),
     }

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from functools import partial
 
 from toothspace.core.errors import CaseError, ToothspaceError
-from toothspace.core.progress import Progress
+from toothspace.core.progress import Progress, tell
+from toothspace.studies.workers import Workers
 from toothspace.validation import films, gerotor, lateral, reference_machines, startup
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
@@ -64,12 +66,31 @@ def examine(claim: Claim, effort: Effort = "full") -> Examined:
 
 
 def examine_all(
-    claims: Sequence[Claim], effort: Effort, progress: Progress | None = None
+    claims: Sequence[Claim], effort: Effort, progress: Progress | None = None, workers: int = 1
 ) -> list[Examined]:
-    """Examine claims one after another."""
-    found = []
-    for k, claim in enumerate(claims):
-        if progress:
-            progress(k / len(claims), claim.key)
-        found.append(examine(claim, effort))
-    return found
+    """Examine claims, the longest first where several processes share them.
+
+    Parameters
+    ----------
+    workers : int
+        Processes.
+    """
+    if workers <= 1:
+        found = []
+        for k, claim in enumerate(claims):
+            tell(progress, k / len(claims), claim.key)
+            found.append(examine(claim, effort))
+        return found
+    longest = sorted(claims, key=lambda claim: -claim.minutes)
+    known = {}
+    with Workers(workers) as pool:
+        for k, one in pool.each(partial(_found, effort), [claim.key for claim in longest]):
+            known[longest[k].key] = Examined(longest[k], *one)
+            tell(progress, len(known) / len(claims), longest[k].key)
+    return [known[claim.key] for claim in claims]
+
+
+def _found(effort: Effort, key: str) -> tuple[Evidence, str, float]:
+    """What a claim gives, without the claim, whose functions do not go between processes."""
+    one = next(examine(claim, effort) for claim in CLAIMS if claim.key == key)
+    return one.finding, one.trouble, one.duration
