@@ -287,8 +287,11 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
 
 
 def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
-    """58 bar: every half rests on its films, and nothing is left of the loads on it; in the mean
-    the gaps are those of the bearing in one piece."""
+    """58 bar: every half rests on its films, and nothing is left of the loads on it.
+
+    Each finds its own place, a fifth of a micrometre off that of the bearing in one piece; the mean
+    of all gaps is that of one piece.
+    """
     found = {split: _fuel_pump(split) for split in ("false", "true")}
     gaps = {}
     for split, (problem, rest) in found.items():
@@ -302,4 +305,5 @@ def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
         for name in moving_bearings:
             assert np.abs(left[name][:3]).max() < 0.01 * push
         gaps[split] = state.mean_gaps()
-    assert gaps["true"] == pytest.approx(gaps["false"], rel=0.08)
+    assert gaps["true"] == pytest.approx(gaps["false"], abs=0.3e-6)
+    assert np.mean(gaps["true"]) == pytest.approx(np.mean(gaps["false"]), rel=0.08)
