@@ -9,10 +9,12 @@ import pytest
 
 from toothspace import api
 from toothspace.core.types import Array
+from toothspace.geometry.curve import turned
+from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import available_figures
 from toothspace.results.solution import Solution
-from toothspace.results.tooth_contacts import tooth_forces
+from toothspace.results.tooth_contacts import contact_azimuth, tooth_forces
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 FIXED = ("operating_point.outlet_load=fixed_pressure", "run.samples_per_revolution=360")
@@ -70,6 +72,37 @@ def test_contacts_turn_the_outer_rotor_against_the_pressures(
     assert 0.0 < rest < losses * 7.0 / 6.0
 
 
+def test_gaps_of_contacts_that_carry_are_those_of_the_displaced_outlines(
+    multiple: tuple[MachineDescription, Solution],
+) -> None:
+    """First order about the nominal place is off by 10 um here, where a tooth comes into mesh."""
+    description, solution = multiple
+    rotors = rotors_from(api.load_case(CASE, FIXED).machine.rotors)
+    data = solution.data.sel(body="outer_rotor")
+    angle, force = np.asarray(data["shaft_angle"]), np.asarray(data["contact_force"])
+    gap, turn = np.asarray(data["contact_gap"]), np.asarray(data["body_rotation"])
+    shift = np.asarray(data["body_position"])[:, :2]
+    azimuth = np.column_stack(
+        [
+            contact_azimuth(description, pair, angle, float(phase))
+            for pair in description.contacts
+            for phase in pair.phases
+        ]
+    )
+    outline = rotors.outer_curve.point(np.linspace(0.0, rotors.outer_curve.length, 30000))
+    inner, worst = rotors.inner_curve, 0.0
+    for k, j in np.argwhere(force[:60] > 1.0):
+        moved = turned(outline, np.asarray(angle[k] * 6.0 / 7.0 + turn[k])) + shift[k]
+        beyond = np.arctan2(moved[:, 1], moved[:, 0]) - 0.5 * np.pi - azimuth[k, j]
+        near = moved[np.abs(np.angle(np.exp(1j * beyond))) < np.radians(4.0)]
+        seen = turned(near - rotors.inner_center, -np.asarray(angle[k]))
+        place = inner.nearest(seen)
+        offset, along = seen - inner.point(place), inner.tangent(place)
+        distance = offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]
+        worst = max(worst, abs(gap[k, j] - float(distance.min())))
+    assert worst < 0.2e-6
+
+
 def test_ledgers_close(multiple: tuple[MachineDescription, Solution]) -> None:
     summary = multiple[1].summary()
     assert summary["mass_balance_error"] < 1e-9
@@ -78,12 +111,16 @@ def test_ledgers_close(multiple: tuple[MachineDescription, Solution]) -> None:
 
 
 def test_every_tooth_carries_in_its_turn(multiple: tuple[MachineDescription, Solution]) -> None:
-    """All teeth alike, on the side where the inner rotor drives, and never none at all."""
+    """All teeth alike, on the side where the inner rotor drives.
+
+    None for 4 % of the turn: while a pocket passes the land the pressures turn the outer rotor
+    forward, by 0.14 N m, and it leaves the driving tooth by 0.6 um.
+    """
     description, solution = multiple
     found = tooth_forces(solution.data, description)
     peaks = found.force.max(axis=0)
     assert np.all(peaks > 0.5 * peaks.max())
-    assert found.loaded().min() >= 1
+    assert np.mean(found.loaded() == 0) < 0.06
     carrying = found.place[found.force > 0.1 * found.mean_total]
     # from the largest pocket round to the smallest and on: the pumping side is the first half
     assert np.all(np.sin(carrying) < 0.0)

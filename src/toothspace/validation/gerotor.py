@@ -38,7 +38,8 @@ CLOSED_FORMS = ValidationSource(
 
 
 _SAMPLES = 7200
-"""Samples in a revolution: the blow with which a lobe comes into mesh lasts six of them. [-]"""
+"""Samples in a revolution: the blow with which a single contact is handed over lasts four of them.
+[-]"""
 _LOBES, _HIGHEST = 6, 10
 """Lobes of the shaft's rotor, and the highest of their orders that a torque meter shows. [-]"""
 _PUMP = (
