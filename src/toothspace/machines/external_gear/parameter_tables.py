@@ -6,6 +6,7 @@ them into the geometry that the machine is built from.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +45,8 @@ from toothspace.machines.shared_tables import (
 )
 from toothspace.model.description import StartupFriction
 
+_PORTS_AND_GROOVES = 330.0
+"""Largest sum of both angles along a bore. [deg]"""
 DEVIATION_SUFFIXES = (".csv", ".mka")
 OUTLETS = ("+x", "-x", "+y", "-y", "+z", "-z")
 
@@ -184,18 +187,18 @@ class CasingParameters(KeyTable):
     )
     inlet_angle: float | None = quantity(
         "deg",
-        "From the mesh side of the centre line to the inlet port edge along the bore; default of "
-        "a contour.",
+        "From the mesh side of the centre line to the inlet port edge along the bore, or to the "
+        "end of a groove that leads its pressure round the gear; default of a contour.",
         low=5,
-        high=170,
+        high=300,
         default=None,
     )
     outlet_angle: float | None = quantity(
         "deg",
-        "From the mesh side of the centre line to the outlet port edge along the bore; default of "
-        "a contour.",
+        "From the mesh side of the centre line to the outlet port edge along the bore, or to the "
+        "end of a groove that leads its pressure round the gear; default of a contour.",
         low=5,
-        high=170,
+        high=300,
         default=None,
     )
     contour: Path | None = file_path(
@@ -220,6 +223,11 @@ class CasingParameters(KeyTable):
     def __post_init__(self) -> None:
         if self.contour is None:
             require(self, "unless a contour file is given", "inlet_angle", "outlet_angle")
+            both = math.degrees((self.inlet_angle or 0.0) + (self.outlet_angle or 0.0))
+            if both > _PORTS_AND_GROOVES:
+                allowed = f"at most {_PORTS_AND_GROOVES:g} deg, so that teeth seal between them"
+                found = f"{both:.6g} deg together with outlet_angle"
+                raise KeyRuleError("inlet_angle", found, allowed)
         forbid_solid_keys(self, "contour_body", "contour_part", "contour_plane")
 
 
