@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.api import set_up, simulate
+from toothspace.api import prepare, simulate
 from toothspace.case import Case
 from toothspace.case.document import document_text
 from toothspace.core.errors import CaseError
@@ -187,7 +187,7 @@ def first_case(seed: int) -> tuple[str, Case]:
     for text in designs(seed):
         with suppress(CaseError):
             case = Case.from_toml(text, CASES)
-            set_up(case)
+            prepare(case)
             return text, case
     raise CaseError(f"design {seed}: found none that can be built in {_TRIES} draws")
 

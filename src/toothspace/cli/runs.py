@@ -71,7 +71,7 @@ def run(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
     from toothspace import api
-    from toothspace.simulation.presets import unused_tables
+    from toothspace.run.interfaces import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:

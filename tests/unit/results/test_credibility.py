@@ -10,7 +10,7 @@ import pytest
 from tests.external_gear_designs import egm12
 from tests.fake_solution import fake_solution
 from tests.tank_circuit import pump_between_tanks
-from toothspace.api import load_case, set_up, simulate
+from toothspace.api import load_case, prepare, simulate
 from toothspace.case import Case
 from toothspace.core.design_check import DesignCheck
 from toothspace.core.status import Status
@@ -105,7 +105,7 @@ def test_range_of_fluids(tmp_path: Path) -> None:
 
 def test_every_simulated_case_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
     case = load_case(CASES / "egm12_motor.toml")
-    set_up(case)
+    prepare(case)
     monkeypatch.setattr(run, "simulate", lambda *_: fake_solution(), raising=True)
     assert "warnings" not in simulate(case).provenance
     monkeypatch.setattr("toothspace.api.known_pressure", lambda _: 100e5)
@@ -153,4 +153,4 @@ def test_contacts_made_with_a_blow_are_told(case: str, hits: bool) -> None:
     tips = ("machine.rotors.tip_clearance=20 um",)
     solution = simulate(load_case(CASES / f"{case}.toml", tips))
     assert ("made with a blow" in solution.provenance.get("warnings", "")) == hits
-    assert "contact: compliant" in solution.provenance["interfaces"]
+    assert solution.provenance["contact_model"] == "compliant"
