@@ -73,9 +73,11 @@ class RatedPoint(KeyTable):
         "Pa s", "Viscosity of the oil of the catalogue.", above=0, high=10
     )
 
-    def slip_coefficient(self, leakless: float) -> float:
-        """Slip of Wilson, (leakless - efficiency) viscosity speed / pressure rise. [-]."""
-        slip = (leakless - self.volumetric_efficiency) * self.dynamic_viscosity * self.shaft_speed
+    def slip_coefficient(self, without_slip: float) -> float:
+        """Slip of Wilson, (without_slip - efficiency) viscosity speed / pressure rise. [-]."""
+        slip = (
+            (without_slip - self.volumetric_efficiency) * self.dynamic_viscosity * self.shaft_speed
+        )
         return slip / self.pressure_difference
 
 
