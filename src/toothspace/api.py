@@ -71,7 +71,7 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(case), import_module(case.run.preset.module).simulate
-    solution = with_warnings(simulated(run, progress), known_pressure(case), run.machine.checks)
+    solution = with_warnings(simulated(run, progress), known_pressure(case))
     if run.machine.as_drawn:
         try:
             drawn = prepare(case.replace(run.machine.as_drawn))
