@@ -18,8 +18,8 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
     require_floating_part(setup.case)
     case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
-    machine = run_in_machine(setup, progress)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
+    machine = run_in_machine(setup, progress)
     found = coupled_solution(
         machine.description,
         machine.fluid,
