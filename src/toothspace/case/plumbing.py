@@ -236,7 +236,7 @@ def _pump(pump: keys.PumpMap, ends: tuple[str, str], fluid: FluidLaw) -> Circuit
     """A pump that is joined once draws from the tank, else from its first connection."""
     suction, pressure = ends if ends[1] else ("supply", ends[0])
     line = pump.volumetric_efficiency
-    slip = pump.slip_coefficient * pump.displacement
+    slip = pump.slip * pump.displacement
     slip /= float(dynamic_viscosity(ATMOSPHERIC_PRESSURE, fluid))
     return CircuitElement(
         "supply_pump",
