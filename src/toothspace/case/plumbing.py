@@ -289,7 +289,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
         cubic=sum(fan.cubic for fan in fans),
         breakaway_torque=startup.torque if startup else 0.0,
         breakaway_speed=startup.speed if startup else 1.0,
-        additive=startup.additive if startup else False,
+        breakaway_law=startup.law if startup else "total",
         load_schedule=history(sources[0], "torque", "N m") if sources else np.zeros((0, 2)),
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from toothspace.case import Case
 from toothspace.core.progress import Progress
+from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
 from toothspace.run.heating import lateral_heating, with_temperatures
 from toothspace.run.run import Run
@@ -16,8 +17,8 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
     require_floating_part(run.case)
     case, balance = run.case, balance_of(run.machine)
-    ready = run.worn(progress).with_films(progress)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
+    ready = run.worn(progress).with_films(progress)
     found = coupled_solution(
         ready.machine,
         ready.fluid,
@@ -32,5 +33,6 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
 def lateral_settings(case: Case) -> LateralSettings:
     """Grids and laws of the lateral films of a case."""
     run, heating = case.run, lateral_heating(case)
+    check_grid("run.film_grid", run.film_grid)
     grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
     return LateralSettings(grid=grid, angles=angles, deformation=law, heating=heating)

@@ -50,14 +50,15 @@ class Tracks:
         return replace(solution, status=self.status).with_note("Running-in ended before its time.")
 
     def values(self, bodies: Sequence[str]) -> dict[str, Any]:
-        """Depths by the names of results, one row for each of the bodies."""
+        """Depths by the names of results, one row per body, at the nodes of the finest table."""
         if not self.depths:
             return {}
-        nodes = next(iter(self.depths.values())).size
-        table = np.zeros((len(bodies), nodes))
+        angle = _table_angles(max(depth.size for depth in self.depths.values()))
+        table = np.zeros((len(bodies), angle.size))
         for body, depth in self.depths.items():
-            table[bodies.index(body)] = depth
-        return {"running_in_depth": table, "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes}
+            own = _table_angles(depth.size)
+            table[bodies.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
+        return {"running_in_depth": table, "casing_angle": angle}
 
 
 def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:
@@ -111,6 +112,10 @@ def load(key: str) -> dict[str, Array] | None:
 def save(key: str, depths: dict[str, Array]) -> None:
     """Store depths. [m]."""
     keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
+
+
+def _table_angles(nodes: int) -> Array:
+    return np.arange(nodes) * 2.0 * np.pi / nodes
 
 
 def running_in_depths(history: History) -> dict[str, Array]:
