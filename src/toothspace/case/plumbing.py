@@ -106,7 +106,7 @@ def plumb(
             if isinstance(element, keys.Orifice)
         ),
         supply_pressure=supply,
-    )
+    ).with_tank_ends()
 
 
 def _node_names(circuit: keys.Circuit) -> dict[Place, str]:
