@@ -336,7 +336,11 @@ def _work(sizes: Sizes) -> dict[str, Any]:
 
 
 def _pattern(arrays: SystemArrays) -> BoolArray:
-    """Where derivatives by the unknowns may be: each path joins its nodes, a gap the motions."""
+    """Where derivatives by the unknowns may be: each path joins its nodes, a gap the motions.
+
+    What flows between two nodes of held pressure depends on none, but rows without a column are
+    those of losses, which are not integrated with the masses: they get the first.
+    """
     size = arrays.size
     pattern = np.zeros((size.total, size.core), dtype=bool)
     np.fill_diagonal(pattern, True)
@@ -350,7 +354,8 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         if index[col.PARTNER_SHIFT] != 0:
             first, count = int(index[col.FAMILY_FIRST]), int(index[col.FAMILY_COUNT])
         for b in range(first, first + count):
-            pattern[np.ix_([*rows[a], *rows[b]], [*columns[a], *columns[b], *moved])] = True
+            joined = [*columns[a], *columns[b], *moved] or [0]
+            pattern[np.ix_([*rows[a], *rows[b]], joined)] = True
     for d in range(size.dynamic):
         pattern[size.gas + d, size.mass + d] = True
     for k in range(size.motions):
@@ -399,7 +404,7 @@ def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
             own = list(range(place, place + 1 + int(element[col.KNOTS])))
             pattern[np.ix_(own, [*own, *columns])] = True
             columns.append(place)
-        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns)] = True
+        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns or [0])] = True
 
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:
