@@ -99,7 +99,10 @@ class Drawing:
             (
                 {},
                 {"effective_bulk_modulus": f"{draw.uniform(0.3, 1.2):.3g} GPa"},
-                {"wall_thickness": "2 mm", "wall_modulus": f"{log_uniform(draw, 0.1, 200):.3g} GPa"},
+                {
+                    "wall_thickness": "2 mm",
+                    "wall_modulus": f"{log_uniform(draw, 0.1, 200):.3g} GPa",
+                },
             )
         )
         length = f"{log_uniform(draw, 0.1, 4.0):.3g} m"

@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 
 from toothspace.case import circuit as keys
-from toothspace.case.lines import LineCell, check_wall, end_cell, line_parts, relaxed_wall, wall_flexibility
+from toothspace.case.lines import (
+    LineCell,
+    check_wall,
+    end_cell,
+    line_parts,
+    relaxed_wall,
+    wall_flexibility,
+)
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
