@@ -72,8 +72,7 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """
     started, compiled = time.perf_counter(), compile_seconds()
     setup = set_up(case)
-    checks = setup.description.checks
-    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup), checks)
+    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup))
     if setup.description.as_drawn:
         try:
             drawn = set_up(case.replace(setup.description.as_drawn))

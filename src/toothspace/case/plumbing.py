@@ -245,7 +245,7 @@ def _pump(pump: keys.PumpMap, ends: tuple[str, str], fluid: FluidLaw) -> Circuit
     """A pump that is joined once draws from the tank, else from its first connection."""
     suction, pressure = ends if ends[1] else ("supply", ends[0])
     line = pump.volumetric_efficiency
-    slip = pump.slip_coefficient * pump.displacement
+    slip = pump.slip * pump.displacement
     slip /= float(dynamic_viscosity(ATMOSPHERIC_PRESSURE, fluid))
     return CircuitElement(
         "supply_pump",
@@ -298,7 +298,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
         cubic=sum(fan.cubic for fan in fans),
         breakaway_torque=startup.torque if startup else 0.0,
         breakaway_speed=startup.speed if startup else 1.0,
-        additive=startup.additive if startup else False,
+        breakaway_law=startup.law if startup else "total",
         load_schedule=history(sources[0], "torque", "N m") if sources else np.zeros((0, 2)),
     )
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace import api
+from toothspace.advice.findings import rule_finding
 from toothspace.case import Case
 from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
@@ -87,7 +88,7 @@ def export_fmu(
         "shaft_speed_rpm": [from_si(value, "rpm") for value in speeds],
         "points": len(records),
         "points_failed": failed_count(records),
-        "warnings": _warnings(pairs, records),
+        "warnings": [*_warnings(pairs, records), *_broken_rules(steady)],
     }
     if status is Status.DONE:
         description = api.describe(steady)
@@ -138,6 +139,12 @@ def _axis(name: str, unit: str, given: Sequence[float]) -> list[float]:
         found = ", ".join(f"{from_si(value, unit):g} {unit}" for value in given)
         raise CaseError(f"{name}: found {found}, allowed at least two values above zero")
     return values
+
+
+def _broken_rules(case: Case) -> list[str]:
+    """Design rules that the machine does not meet."""
+    checks = api.describe(case).checks
+    return [rule_finding(check).sentence for check in checks if not check.passed]
 
 
 def _warnings(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> list[str]:

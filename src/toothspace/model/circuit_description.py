@@ -10,6 +10,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.circuit import PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE, SUPPLY_PUMP
+from toothspace.model.description import BreakawayLaw
 from toothspace.model.fluid_column import FLUID_COLUMN
 
 _KINDS = {
@@ -162,9 +163,9 @@ class FreeShaft:
     """Largest friction at rest; zero leaves out start-up friction. [N m]"""
     breakaway_speed: float = 0.7
     """Speed up to which friction stays at the breakaway torque. [rad/s]"""
-    additive: bool = False
-    """Whether the boundary friction of the interfaces adds to the breakaway torque; else it stands
-    for all of them and they fade in with speed.
+    breakaway_law: BreakawayLaw = "total"
+    """Whether that torque stands for all interfaces, which fade in with speed, is added to their
+    boundary friction, or is their boundary friction and follows their loads.
     """
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
     """Time [s] and further torque of the load [N m], joined by straight lines. Shape (knots, 2)."""
@@ -204,7 +205,8 @@ def drive_row(
         row[col.LOAD_CONSTANT] = shaft.constant
         row[col.BREAKAWAY] = shaft.breakaway_torque
         row[col.BREAKAWAY_SPEED] = shaft.breakaway_speed
-        row[col.ADDED_FRICTION] = 1.0 if shaft.additive else 0.0
+        row[col.ADDED_FRICTION] = shaft.breakaway_law == "additive"
+        row[col.FROM_INTERFACES] = shaft.breakaway_law == "interfaces"
     return row
 
 

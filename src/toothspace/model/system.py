@@ -41,7 +41,7 @@ from toothspace.model.drive import (
     update_load,
 )
 from toothspace.model.fluid_column import fill_column_rates, fill_column_weights
-from toothspace.model.friction import book_friction, mesh_force
+from toothspace.model.friction import book_friction, boundary_torque, mesh_force
 from toothspace.model.lateral_lookup import fill_film_rates, fill_film_weights, update_lateral_films
 from toothspace.model.ledger import (
     COUPLING,
@@ -176,6 +176,8 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     for k in range(s.size.motions):
         torque += s.motion[k, col.MOTION_RATIO] * motion_force(s, k)
     drive[col.DRIVING_TORQUE] = -torque - taken_torque(s, state)
+    if drive[col.FROM_INTERFACES] > 0.0:
+        drive[col.BREAKAWAY] = boundary_torque(s)
     update_fade(s, speed)
     torque += book_journal_friction(s, state, ledger)
     torque += book_friction(s, state, ledger, torque)

@@ -154,9 +154,10 @@ def _expected_pressure(case: Case, description: MachineDescription) -> float:
     elements = case.circuit.elements.values()
     relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]
     expected = max(relief, default=_EXPECTED_PRESSURE)
-    if description.startup is None or speed_of(case.circuit) is not None:
+    startup = description.startup
+    if startup is None or startup.law == "interfaces" or speed_of(case.circuit) is not None:
         return expected
-    return min(expected, _BEYOND_BREAKAWAY * description.startup.torque / description.displacement)
+    return min(expected, _BEYOND_BREAKAWAY * startup.torque / description.displacement)
 
 
 def provenance_of(case: Case) -> dict[str, str]:

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.unit.circuit.test_circuit_ledger import HOSE, PLACES, motor
 from toothspace import api
 from toothspace.case import Case
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.core.errors import CaseError
 from toothspace.model import arrays as col
 from toothspace.model.walls import update_volume, wall_volume
-from tests.unit.circuit.test_circuit_ledger import HOSE, PLACES, motor
 
 SOFTEST = 1e-7  # relative growth per Pa
 
