@@ -236,8 +236,8 @@ def report(rows: list[dict[str, Any]]) -> None:
         errors = np.array([row[f"{name}_balance_error"] for row in done])
         above = [int(row["seed"]) for row, error in zip(done, errors, strict=True) if error > limit]
         print(
-            f"{name} error of those done: median {np.median(errors):.1e}, worst {errors.max():.1e}, "
-            f"above {limit:g}: {above}"
+            f"{name} error of those done: median {np.median(errors):.1e}, "
+            f"worst {errors.max():.1e}, above {limit:g}: {above}"
         )
     times = [row["processor_s"] for row in finished]
     print(f"processor: median {np.median(times):.2f} s, longest {max(times):.1f} s")
