@@ -1,7 +1,8 @@
-"""Machine types found by name: built in, or shipped by others through an entry point."""
+"""What is found by name: machine types, and views of a result that rooms above it give."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -63,3 +64,20 @@ def machine_modules() -> dict[str, str]:
     }
     shipped = {point.name: point.module for point in entry_points(group=ENTRY_POINT_GROUP)}
     return dict(sorted((shipped | built_in).items()))
+
+
+VIEWS: Mapping[str, str] = {
+    "case": "toothspace.api:case_of",
+    "machine": "toothspace.api:machine_of",
+    "findings": "toothspace.advice.findings:findings_of",
+    "figures": "toothspace.plotting.catalogue:available_figures",
+    "report": "toothspace.report:write_report",
+    "card": "toothspace.report.card:solution_card",
+}
+"""Functions of a solution in rooms above the results, which therefore import none of them."""
+
+
+def view(name: str) -> Any:
+    """Return a function of :data:`VIEWS`, imported on first use."""
+    module, _, function = VIEWS[name].partition(":")
+    return getattr(import_module(module), function)

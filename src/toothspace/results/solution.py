@@ -1,4 +1,4 @@
-"""The outcome of one simulation."""
+"""The solution of one run: data, ledger, findings, figures, tables and report."""
 
 from __future__ import annotations
 
@@ -6,23 +6,31 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, final
 
-from toothspace.core.finding import Finding
+from toothspace.core.files import path_of, write_text
+from toothspace.core.finding import Finding, status_line
+from toothspace.core.registry import view
 from toothspace.core.status import Status
 from toothspace.results import performance
 from toothspace.results.events import Event
+from toothspace.results.figures import Figures
 from toothspace.results.ledger import Ledger
 from toothspace.results.startup import startup_numbers
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
+    from toothspace.model.description import MachineDescription
 
+
+@final
 @dataclass(frozen=True)
 class Solution:
-    """Result of one run, complete or not.
+    """Result of one run, complete or not; what is drawn, listed or exported is made when asked.
 
     Parameters
     ----------
@@ -58,13 +66,14 @@ class Solution:
     warnings: tuple[Finding, ...] = ()
 
     def __repr__(self) -> str:
-        return self._shown(self.status.name.lower())
-
-    def _shown(self, status: str) -> str:
         axis = "time" if "time" in self.data.sizes else "shaft_angle"
         samples = f"{self.data.sizes.get(axis, 0)} samples over {axis}"
         title = self.provenance.get("title", "")
-        return f"<Solution {title!r}: {status}; {samples}>"
+        return f"<Solution {title!r}: {status_line(self.status, self.findings)}; {samples}>"
+
+    def _repr_html_(self) -> str:
+        card: str = view("card")(self)
+        return card
 
     def __getstate__(self) -> dict[str, object]:
         """State for another process, which cannot read what this one keeps on disk."""
@@ -104,6 +113,86 @@ class Solution:
             statistics={**self.statistics, **statistics},
             warnings=found,
         )
+
+    @property
+    def case(self) -> Any:
+        """The case in the result, with its files looked for beside the case file."""
+        return view("case")(self)
+
+    @cached_property
+    def _machine(self) -> tuple[MachineDescription | None, str]:
+        found: tuple[MachineDescription | None, str] = view("machine")(self)
+        return found
+
+    @property
+    def description(self) -> MachineDescription | None:
+        """The machine, rebuilt from the case in the result; None if a file of it is gone."""
+        return self._machine[0]
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What to know before trusting the result or building the machine, serious things first.
+
+        Warnings of the run, limits that it exceeds and design rules that the machine does not
+        meet: the same list on the command line, in JSON, in the report and in comparisons.
+        """
+        found: tuple[Finding, ...] = view("findings")(self, *self._machine)
+        return found
+
+    @property
+    def plot(self) -> Figures:
+        """Figures of the result, such as ``solution.plot.pressures()``."""
+        return Figures(self)
+
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the HTML report and return its path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            File to write; by default named after the case, in the current folder.
+        """
+        stem = Path(self.provenance.get("case_file") or "case").stem
+        written: Path = view("report")(self, f"{stem}.html" if path is None else path)
+        return written
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return all samples as columns named ``variable`` or ``variable[label]``, SI units.
+
+        The index is the shaft angle [rad] or the time [s]; ``attrs["units"]`` holds the units.
+        """
+        import pandas as pd
+
+        axis = "time" if "time" in self.data.sizes else "shaft_angle"
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name, variable in self.data.data_vars.items():
+            if variable.dims[:1] != (axis,) or variable.ndim > 2:
+                continue
+            rest = variable.dims[1:]
+            labels = [f"[{label}]" for label in self.data[rest[0]].values] if rest else [""]
+            for k, label in enumerate(labels):
+                columns[f"{name}{label}"] = variable.values[:, k] if rest else variable.values
+                units[f"{name}{label}"] = str(variable.attrs.get("units", "1"))
+        frame = pd.DataFrame(columns, index=pd.Index(self.data[axis].values, name=axis))
+        frame.attrs["units"] = units
+        return frame
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write all samples as CSV, one column for each value, with ``name [unit]`` on top.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write.
+        """
+        frame = self.to_dataframe()
+        index = "s" if frame.index.name == "time" else "rad"
+        heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
+        text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
+        target = path_of(path, "CSV", "a file to write")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        return write_text(target, text)
 
     def save(self, path: str | Path) -> Path:
         """Write one NetCDF file; an interrupted write leaves no half file behind.

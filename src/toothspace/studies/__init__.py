@@ -22,7 +22,7 @@ balance_sweep  its loops over balanced area and housing friction
 
 from __future__ import annotations
 
-from toothspace.studies.registry import run_study
+from toothspace.studies.registry import run_study, sweep
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 
-__all__ = ["StudyContext", "StudyResult", "StudyTable", "run_study"]
+__all__ = ["StudyContext", "StudyResult", "StudyTable", "run_study", "sweep"]

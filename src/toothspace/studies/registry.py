@@ -8,14 +8,19 @@ interrupt by the user ends a study with the points that are finished.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-from toothspace.case import Case
-from toothspace.case.study import STUDIES
+from toothspace import api
+from toothspace.case import Case, load_case
+from toothspace.case.study import STUDIES, SweepStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.files import path_of
 from toothspace.core.progress import Progress
+from toothspace.run.run import provenance_of
 from toothspace.studies.records import FILE_NAME, Records
 from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.workers import Workers
@@ -71,8 +76,6 @@ def run_study(
     CaseError
         If the case asks for the impossible.
     """
-    from toothspace.run.run import provenance_of
-
     kind = kind_of(case)
     module = import_module(f"toothspace.studies.{kind}")
     started = time.perf_counter()
@@ -93,3 +96,44 @@ def run_study(
     if folder is not None:
         result.save(folder)
     return result
+
+
+def sweep(
+    case: api.AnyCase,
+    vary: Mapping[str, Any],
+    *,
+    workers: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Run a case at all combinations of values; the last key runs fastest.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case with an operating point or a circuit; its own study does not count.
+    vary : mapping of key path to values
+        Lists, or ``{"from": ..., "to": ..., "count": ...}``; values as in a case file.
+    workers : int
+        Processes.
+    folder : str or Path, optional
+        Folder of the results; finished points found there are not run again.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    StudyResult
+        Summary numbers over ``point`` in ``data``.
+
+    Raises
+    ------
+    CaseError
+        If no point can be run.
+    """
+    study = replace(load_case(case), study=SweepStudy(vary=vary))
+    place = None if folder is None else path_of(folder, "folder", "a folder")
+    resume = place is not None and place.is_dir()
+    return run_study(
+        study, place, progress=progress, workers=api.process_count(workers), resume=resume
+    )

@@ -11,11 +11,11 @@ import pytest
 
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api, interactive
-from toothspace.advice.findings import findings_of, status_line
+from toothspace.advice.findings import findings_of
 from toothspace.app.session import Session
 from toothspace.case import Case, load_case
 from toothspace.cli import main
-from toothspace.core.finding import Finding
+from toothspace.core.finding import Finding, status_line
 from toothspace.core.status import Status
 from toothspace.report.comparison import Comparison
 from toothspace.report.document import document_lines
