@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.study import study_kind
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -69,7 +70,15 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """Run a case and return its solution; a numerical failure is a status of it.
 
     ``progress`` is called with the finished share and a short text.
+
+    Raises
+    ------
+    CaseError
+        If the case has a study, which asks for more than one run, or for the impossible.
     """
+    if case.study is not None:
+        allowed = "toothspace.studies.run_study for it, or study = None for one run of the case"
+        raise CaseError(f"{case.label}: study: found {study_kind(case.study)!r}, allowed {allowed}")
     started, compiled = time.perf_counter(), compile_seconds()
     setup = set_up(case)
     checks = setup.description.checks

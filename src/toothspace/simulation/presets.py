@@ -115,8 +115,6 @@ def unused_tables(case: Case) -> dict[str, str]:
         path, value = f"machine.{tables[part]}", attrgetter(tables[part])(case.machine)
         if value not in (None, "given"):
             given[path if isinstance(value, str) else f"[{path}]"] = reasons[part]
-    if case.study is not None and run.fidelity != "elastic":
-        given["[study]"] = f"by a run with {run.fidelity!r}"
     return given
 
 
