@@ -22,6 +22,7 @@ from toothspace.cli.options import (
     Force,
     Json,
     Overrides,
+    code_of,
     exit_code,
     load,
     named,
@@ -80,25 +81,29 @@ def run(
     target = require_writable(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
-    from toothspace import api
-    from toothspace.simulation.presets import unused_tables
+    from toothspace import interactive
+    from toothspace.advice.findings import status_line
+    from toothspace.run.interfaces import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:
         with named(case_file), output.progress(case.title) as progress:
-            solution = api.simulate(case, progress=progress)
+            solution = interactive.simulate(case, progress=progress)
     except KeyboardInterrupt:
         output.message(f"{case_file}: interrupted before there was a result")
         return INTERRUPTED
     with interrupts_held():
         kept = _keep(solution, target)
-        output.write(solution.summary(), as_json=as_json)
-        code = exit_code(case_file, solution.status)
-        for warning in filter(None, solution.provenance.get("warnings", "").splitlines()):
-            output.message(f"Warning: {warning}")
+        findings, summary = solution.findings, solution.summary()
+        found = {"findings": [finding.to_dict() for finding in findings]} if as_json else {}
+        output.write({**summary, **found}, as_json=as_json)
+        for finding in findings:
+            output.message(str(finding))
         for path, reason in unused_tables(case).items():
             output.message(f"Note: {path} is not used {reason}")
+        output.message(f"{case_file}: {status_line(solution.status, findings)}")
         output.message(f"Result: {kept or 'the numbers above only'}")
+    code = code_of(solution.status)
     return code if kept == target else BAD_INPUT
 
 

@@ -54,6 +54,7 @@ __all__ = [
 ]
 
 BodyRole = Literal["shaft", "driven", "floating"]
+BreakawayLaw = Literal["total", "additive", "interfaces"]
 
 
 @final
@@ -200,12 +201,12 @@ class RunningIn:
 class StartupFriction:
     """Friction that holds the shaft at rest."""
 
+    law: BreakawayLaw
+    """Whether the torque stands for all interfaces, they resist besides, or it is their sum."""
     torque: float
-    """Breakaway torque. [N m]"""
+    """Breakaway torque; zero where it is the sum of the interfaces. [N m]"""
     speed: float
     """Speed up to which friction stays there. [rad/s]"""
-    additive: bool = False
-    """Whether the interfaces resist besides; else the torque stands for all of them."""
 
 
 @final

@@ -71,7 +71,7 @@ def run_study(
     CaseError
         If the case asks for the impossible.
     """
-    from toothspace.simulation.setup import provenance_of
+    from toothspace.run.run import provenance_of
 
     kind = kind_of(case)
     module = import_module(f"toothspace.studies.{kind}")

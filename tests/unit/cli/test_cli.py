@@ -22,6 +22,7 @@ import toothspace
 from tests.conftest import posix
 from toothspace.cli import machines, main, output
 from toothspace.core.errors import CaseError, GeometryError
+from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -33,7 +34,7 @@ GEROTOR = REPOSITORY / "cases" / "gerotor_trochoidal.toml"
 @dataclass
 class FakeSolution:
     status: Status = Status.DONE
-    provenance: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         return {"mean_flow_L_per_min": np.float64(7.5), "flow_ripple_percent": math.nan}
@@ -67,12 +68,12 @@ Simulate = Callable[..., Any]
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[Simulate], None]:
     """Replace the simulation, and work in an empty folder."""
-    from toothspace import api
+    from toothspace import interactive
 
     monkeypatch.chdir(tmp_path)
 
     def replace(simulate: Simulate) -> None:
-        monkeypatch.setattr(api, "simulate", simulate)
+        monkeypatch.setattr(interactive, "simulate", simulate)
 
     return replace
 
@@ -107,7 +108,11 @@ def test_run_keeps_the_result_and_tells_its_status(
     simulated(lambda case, progress: FakeSolution(status))
     assert main(["run", str(MOTOR), "--json"]) == code
     streams = capsys.readouterr()
-    assert json.loads(streams.out) == {"mean_flow_L_per_min": 7.5, "flow_ripple_percent": None}
+    assert json.loads(streams.out) == {
+        "mean_flow_L_per_min": 7.5,
+        "flow_ripple_percent": None,
+        "findings": [],
+    }
     assert (tmp_path / "egm12_motor.nc").read_bytes() == b"result"
     assert (status.value in streams.err) == (status is not Status.DONE)
 

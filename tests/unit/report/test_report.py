@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 
 from tests.fake_solution import fake_description, fake_solution
+from toothspace.advice.findings import findings_of
+from toothspace.advice.limits import limits_of
+from toothspace.advice.verdict import verdict
 from toothspace.api import describe, load_case
 from toothspace.core.status import Status
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import html, report_html, write_report
 from toothspace.report.document import document_lines
 from toothspace.report.html import report_contents
-from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
-from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import format_value, quantity
 from toothspace.results.credibility import with_warnings
 from toothspace.results.io import load_solution
@@ -103,13 +104,13 @@ def test_losses_by_cause_are_all_losses() -> None:
     )
 
 
-def test_exceeded_limits_are_warnings() -> None:
+def test_exceeded_limits_are_findings() -> None:
     solution = fake_solution()
     peak = solution.data["chamber_pressure"] * 0.0 + 900e5
     contents = report_contents(
         replace(solution, data=solution.data.assign(chamber_pressure=peak)), None
     )
-    assert any("Highest chamber pressure is 900 bar" in text for text in contents["warnings"])
+    assert any("Highest chamber pressure is 900 bar" in x.text for x in contents["findings"])
 
 
 def test_cavitation_index_is_one_number_in_limits_and_summary() -> None:
@@ -191,15 +192,14 @@ def test_pump_of_the_circuit_is_what_a_run_over_time_is_supplied_with() -> None:
     assert ledger.energy_remainder == 0.0
 
 
-def test_warnings_name_status_balances_and_failed_rules() -> None:
+def test_findings_name_balances_and_failed_rules() -> None:
     solution = fake_solution()
     energy = {**solution.ledger.energy, "shaft": 0.9 * solution.ledger.energy["shaft"]}
     broken = replace(
         solution, status=Status.NOT_CYCLIC, ledger=replace(solution.ledger, energy=energy)
     )
     broken = with_warnings(broken, math.inf)
-    found = " ".join(warnings_of(broken, fake_description()))
-    assert "Status not_cyclic" in found
+    found = " ".join(map(str, findings_of(broken, fake_description())))
     assert "Energy balance error" in found
     assert "Tip land is 0.9 mm, allowed >= 1.0 mm" in found
     assert "Contact ratio is" not in found

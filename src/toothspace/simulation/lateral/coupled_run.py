@@ -91,9 +91,9 @@ def _with_films(point: CoupledPoint, steps: int, progress: Progress | None) -> S
     status = Status.INTERRUPTED if march.interrupted else status
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
     rise, numbers = point.temperature_rise, point.numbers
-    warnings = filter(None, [seat_warning(numbers), equilibrium_warning(point)])
     return replace(point.solution, status=status, data=data).with_note(
-        "\n".join(warnings),
+        seat_warning(numbers),
+        equilibrium_warning(point),
         lateral_leakage=numbers.leakage,
         lateral_leakage_mismatch=point.leakage_mismatch,
         lateral_torque_mismatch=point.torque_mismatch,

@@ -17,6 +17,16 @@ _BUSH_PRESSURE, _BUSH_SPEED, _BUSH_PV = 140.0, 5.0, 10.0
 _FLANK_PRESSURE = 1500.0
 _OIL_TEMPERATURE = 80.0
 
+CAVITATION = "Cavitation damage index: power of collapsing vapour"
+"""Label of the limit that judges cavitation."""
+
+_ENCLOSED = "Look where fluid is enclosed: relief grooves, backlash and the timing of the ports."
+_COOLER = "Cool the oil, or lower pressure and speed."
+_FILLED = "Lower the speed, raise the inlet pressure or widen the inlet."
+_FLOATED = "Take a thicker oil, a longer bearing or smoother surfaces, or lower the load."
+_BUSHED = "Take a larger bearing or one for boundary lubrication, or bring its film up."
+_FLANKED = "Take wider gears or a larger module, or lower the load."
+
 _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
 
 
@@ -33,6 +43,13 @@ class JudgedLimit(NamedTuple):
     """``met``, ``exceeded`` or ``not judged``."""
     source: str
     """Where the limit comes from."""
+    advice: str = ""
+    """What to do where it is exceeded."""
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether the limit was judged and is not met."""
+        return self.verdict == "exceeded"
 
 
 def limits_of(solution: Solution, description: MachineDescription | None) -> list[JudgedLimit]:
@@ -48,9 +65,12 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     return found
 
 
-def _judged(label: str, value: float, limit: float, unit: str, source: str) -> JudgedLimit:
+def _judged(
+    label: str, value: float, limit: float, unit: str, source: str, advice: str
+) -> JudgedLimit:
     verdict = "met" if value <= limit else "exceeded"
-    return JudgedLimit(label, f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}", verdict, source)
+    found, allowed = f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}"
+    return JudgedLimit(label, found, allowed, verdict, source, advice)
 
 
 def _pressures(solution: Solution) -> Iterator[JudgedLimit]:
@@ -58,7 +78,9 @@ def _pressures(solution: Solution) -> Iterator[JudgedLimit]:
     high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
     peak = float(data["chamber_pressure"].max())
     source = "a working pressure and a half, usual peak in pressure limits of makers"
-    yield _judged("Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source)
+    yield _judged(
+        "Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source, _ENCLOSED
+    )
 
 
 def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
@@ -67,10 +89,12 @@ def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
     drain = float(summary["drain_temperature_degC"])
     if np.isfinite(drain):
         bound = "" if "temperature" in solution.data else "; an upper bound, no heat to the housing"
-        yield _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", source + bound)
+        yield _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", source + bound, _COOLER)
     if film := summary.get("highest_film_temperature_degC"):
         source += ", for the oil at the ports; films may be warmer"
-        entry = _judged("Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source)
+        entry = _judged(
+            "Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source, _COOLER
+        )
         yield entry if entry.verdict == "met" else entry._replace(verdict="not judged")
 
 
@@ -79,11 +103,12 @@ def _cavitation(solution: Solution) -> JudgedLimit:
     power = float(summary["cavitation_index_W"])
     share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
     return JudgedLimit(
-        "Cavitation damage index: power of collapsing vapour",
+        CAVITATION,
         f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
         "no vapour",
         "met" if power == 0.0 else "exceeded",
         "potential energy of cavities, Fortes-Patella, Reboud, Briancon-Marjollet (2004)",
+        _FILLED,
     )
 
 
@@ -98,7 +123,7 @@ def _filling(solution: Solution, description: MachineDescription) -> Iterator[Ju
     highest = np.sqrt(2.0 * low / float(data["inlet_density"])) / radius * 30.0 / np.pi
     speed = float(np.abs(data["shaft_speed"]).max()) * 30.0 / np.pi
     source = "filling: tip speed from the inlet pressure, Bernoulli"
-    yield _judged("Shaft speed", speed, float(highest), "rpm", source)
+    yield _judged("Shaft speed", speed, float(highest), "rpm", source, _FILLED)
 
 
 def _bearings(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
@@ -116,6 +141,7 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[J
             f"at least {_FULL_FILM:.3g}",
             "met" if full else "exceeded",
             "full film, Hamrock, Schmid, Jacobson (2004)",
+            _FLOATED,
         )
         force = np.linalg.norm(np.asarray(data["journal_force"].sel(body=journal.body)), axis=1)
         load = float(np.mean(force)) / (journal.count * journal.diameter * journal.length) / _MPA
@@ -126,10 +152,14 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[J
             ("p v", load * speed, _BUSH_PV, "MPa m/s"),
         ):
             entry = _judged(
-                f"Bearing of {where}, {label} without a full film", value, limit, unit, _BUSH
+                f"Bearing of {where}, {label} without a full film",
+                value,
+                limit,
+                unit,
+                _BUSH,
+                _BUSHED,
             )
-            exceeded = entry.verdict == "exceeded"
-            yield entry._replace(verdict="not judged") if exceeded and full else entry
+            yield entry._replace(verdict="not judged") if entry.exceeded and full else entry
     if names:
         yield JudgedLimit(
             "Bearing life",
@@ -158,4 +188,6 @@ def _contacts(solution: Solution, description: MachineDescription) -> Iterator[J
         if float(np.max(pressure)) > 0.0:
             label = f"Contact pressure, {pair.name.replace('_', ' ')}"
             source = "case-hardened steel, ISO 6336-5"
-            yield _judged(label, float(np.max(pressure)) / _MPA, _FLANK_PRESSURE, "MPa", source)
+            yield _judged(
+                label, float(np.max(pressure)) / _MPA, _FLANK_PRESSURE, "MPa", source, _FLANKED
+            )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from toothspace.model.description import MachineDescription
 from toothspace.results.ledger import LossCause, loss_causes
 from toothspace.results.solution import Solution
 
@@ -62,30 +61,6 @@ def _lost(losses: Sequence[LossCause]) -> str:
     largest = max(losses, key=lambda entry: entry.power)
     where = f"{largest.cause}, {largest.label}, with {largest.power:.0f} W"
     return f"{text}; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
-
-
-def warnings_of(solution: Solution, description: MachineDescription | None) -> list[str]:
-    """List what a reader should know before trusting or building this machine.
-
-    Parameters
-    ----------
-    description : MachineDescription, optional
-        The machine that it belongs to.
-    """
-    found = [line for line in solution.provenance.get("warnings", "").splitlines() if line]
-    if not solution.status.succeeded:
-        found.insert(0, f"Status {solution.status.name.lower()}: {solution.status.value}")
-    cavitating = sum(event.kind == "cavitation_onset" for event in solution.events)
-    if cavitating:
-        times = "once" if cavitating == 1 else f"{cavitating} times"
-        found.append(f"Cavitation begins {times} in the evaluation window; see events.")
-    if _number(solution.summary(), "overall_efficiency") < 0.0:
-        found.append("The machine delivers no power: losses exceed what is supplied.")
-    if description is not None:
-        notes = description.geometry_summary.get("warnings", ())
-        found += [str(note) for note in notes] if isinstance(notes, list | tuple) else []
-        found += [check.sentence for check in description.checks if not check.passed]
-    return list(dict.fromkeys(found))
 
 
 def _number(numbers: Mapping[str, float | str], name: str) -> float:
