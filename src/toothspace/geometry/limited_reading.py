@@ -34,9 +34,8 @@ READ_HERE = 2**20
 REFUSED = 2
 """Exit code of the reader for a file that it refuses with a message."""
 _READER = """
-import sys
-from toothspace.geometry.reading_process import main
-sys.exit(main())
+import runpy
+runpy.run_module("toothspace.geometry.reading_process", run_name="__main__")
 """
 """Program of the process that reads."""
 _MOST_KEPT = 500

@@ -47,3 +47,7 @@ def _found(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     else:
         bodies = stl_bodies(path, order["unit"])
     return packed(cut_bodies(str(path), bodies, SectionRequest(**order["request"])))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
