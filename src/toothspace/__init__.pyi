@@ -19,6 +19,7 @@ from .results.io import load_solution as load_solution
 from .results.solution import Solution as Solution
 from .run.run import Run as Run
 from .studies import StudyResult as StudyResult
+from .studies import run_study as run_study
 from .studies import sweep as sweep
 
 __version__: str

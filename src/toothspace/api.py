@@ -15,6 +15,7 @@ import numpy as np
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.study import study_kind
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -91,7 +92,7 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
     Raises
     ------
     CaseError
-        If the case asks for the impossible.
+        If the case has a study, which asks for more than one run, or for the impossible.
 
     Examples
     --------
@@ -101,6 +102,11 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
     given = load_case(case)
     if overrides:
         given = given.replace({name.replace("__", "."): v for name, v in overrides.items()})
+    if given.study is not None:
+        allowed = "toothspace.run_study for it, or study = None for one run of the case"
+        raise CaseError(
+            f"{given.label}: study: found {study_kind(given.study)!r}, allowed {allowed}"
+        )
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
     solution = with_warnings(simulated(run, progress), known_pressure(given))

@@ -30,8 +30,6 @@ def unused_tables(case: Case) -> dict[str, str]:
     for key in (name for preset in PRESETS.values() for name in preset.own_keys):
         if not run.preset.reads(key) and getattr(run, key) != getattr(RunSettings, key):
             given[f"run.{key}"] = f"by a run with {run.fidelity!r}"
-    if case.study is not None:
-        given["[study]"] = "by a run of one point"
     return given
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from toothspace import api
 from toothspace.case import Case, load_case
-from toothspace.case.study import STUDIES, SweepStudy
+from toothspace.case.study import SweepStudy, study_kind
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of
 from toothspace.core.progress import Progress
@@ -37,7 +37,7 @@ def kind_of(case: Case) -> str:
     if case.study is None:
         allowed = "a table [study] with its kind"
         raise CaseError(f"{case.label}: study: found nothing, allowed {allowed}")
-    return next(name for name, spec in STUDIES.items() if spec is type(case.study))
+    return study_kind(case.study)
 
 
 def run_study(
