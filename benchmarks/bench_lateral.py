@@ -30,10 +30,10 @@ from toothspace.api import set_up
 from toothspace.case import Case, load_case
 from toothspace.core.processes import threads
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
-from toothspace.films.lateral.motion import Balance
+from toothspace.floating.coupling import PointRequest, couple_point
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralProblem, LateralTrack, lateral_problem
 from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.lateral.coupling import PointRequest, couple_point
-from toothspace.simulation.lateral.problem import LateralProblem, LateralTrack, lateral_problem
 from toothspace.simulation.lumped import RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
 

@@ -10,10 +10,10 @@ import pytest
 
 from toothspace.api import set_up
 from toothspace.case import load_case
-from toothspace.films.lateral.equilibrium import Equilibrium
-from toothspace.films.lateral.stops import leaning, rim_levers
+from toothspace.floating.equilibrium import Equilibrium
+from toothspace.floating.problem import LateralProblem, lateral_problem
+from toothspace.floating.stops import leaning, rim_levers
 from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import condition_of
 

@@ -16,16 +16,15 @@ from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.lateral_balance import HousingContact, LateralBalance
-from toothspace.results.variables import variable
-from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.lateral.coupling import CoupledPoint, PointRequest, couple_point
-from toothspace.simulation.lateral.problem import (
+from toothspace.floating.coupling import CoupledPoint, PointRequest, couple_point
+from toothspace.floating.problem import (
     LateralNumbers,
     LateralSettings,
     balance_of,
-    require_floating_part,
 )
+from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.results.variables import variable
+from toothspace.simulation.elastic import lateral_settings, require_floating_part
 from toothspace.simulation.lumped import RepeatedRun, RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
 from toothspace.studies.points import operating_point_of

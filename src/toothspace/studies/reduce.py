@@ -23,11 +23,7 @@ from toothspace.films.journal.mixed_lubrication import (
     machine_bearing,
     sweep_friction,
 )
-from toothspace.model.description import MachineDescription
-from toothspace.model.quasi_static import mean_force
-from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.simulation.lateral.reduction import (
+from toothspace.floating.reduction import (
     COLUMNS,
     LateralReduction,
     LoadedCondition,
@@ -35,6 +31,10 @@ from toothspace.simulation.lateral.reduction import (
     loaded_condition,
     reduce_lateral,
 )
+from toothspace.model.description import MachineDescription
+from toothspace.model.quasi_static import mean_force
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import Setup, provenance_of
 

@@ -23,10 +23,10 @@ from toothspace.case.study import (
 )
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.simulation.lumped import RunInMachine
 from toothspace.simulation.running_in import WornMachine
 from toothspace.simulation.setup import Setup

@@ -18,16 +18,16 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.core.types import Array
-from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_load import axial_load, chamber_pressures
-from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
-from toothspace.simulation.lateral.reduction import (
+from toothspace.floating.reduction import (
     COLUMNS,
     LateralReduction,
     LoadedCondition,
     load_shares,
 )
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_load import axial_load, chamber_pressures
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
 from toothspace.simulation.setup import condition_of
 from toothspace.studies import reduce
 
