@@ -51,15 +51,16 @@ class WornMachine:
 
     @property
     def values(self) -> dict[str, Any]:
-        """Depths by the names of results, one row per body."""
+        """Depths by the names of results, one row per body, at the nodes of the finest table."""
         if not self.depths:
             return {}
-        nodes = next(iter(self.depths.values())).size
+        angle = _table_angles(max(depth.size for depth in self.depths.values()))
         names = [body.name for body in self.description.bodies]
-        table = np.zeros((len(names), nodes))
+        table = np.zeros((len(names), angle.size))
         for body, depth in self.depths.items():
-            table[names.index(body)] = depth
-        return {"running_in_depth": table, "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes}
+            own = _table_angles(depth.size)
+            table[names.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
+        return {"running_in_depth": table, "casing_angle": angle}
 
 
 def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
@@ -113,6 +114,10 @@ def load(key: str) -> dict[str, Array] | None:
 def save(key: str, depths: dict[str, Array]) -> None:
     """Store depths. [m]."""
     keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
+
+
+def _table_angles(nodes: int) -> Array:
+    return np.arange(nodes) * 2.0 * np.pi / nodes
 
 
 def running_in_depths(history: History) -> dict[str, Array]:
