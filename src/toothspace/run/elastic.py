@@ -6,29 +6,28 @@ from toothspace.case import Case
 from toothspace.core.progress import Progress
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
-from toothspace.simulation.heating import lateral_heating, with_temperatures
+from toothspace.run.heating import lateral_heating, with_temperatures
+from toothspace.run.run import Run
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.coupling import PointRequest
 from toothspace.simulation.lateral.problem import LateralSettings, balance_of, require_floating_part
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Setup
 
 
-def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
-    require_floating_part(setup.case)
-    case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
+    require_floating_part(run.case)
+    case, balance = run.case, balance_of(run.machine)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
-    machine = run_in_machine(setup, progress)
+    ready = run.worn(progress).with_films(progress)
     found = coupled_solution(
-        machine.description,
-        machine.fluid,
-        machine.at(condition, progress),
+        ready.machine,
+        ready.fluid,
+        ready.repeated(progress),
         request,
         case.run.film_steps_per_revolution,
         progress,
     )
-    return with_temperatures(case, machine.description, found)
+    return with_temperatures(case, ready.machine, found)
 
 
 def lateral_settings(case: Case) -> LateralSettings:
