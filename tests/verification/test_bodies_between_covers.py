@@ -35,7 +35,7 @@ from toothspace.model.film_faces import (
     RimFilm,
     SharedFaces,
 )
-from toothspace.simulation.setup import condition_of, fluid_of
+from toothspace.run.condition import condition_of, fluid_of
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, RIM, GAP = 10e-3, 26e-3, 20e-6

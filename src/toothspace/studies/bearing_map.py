@@ -11,7 +11,7 @@ from toothspace.case import Case
 from toothspace.case.study import BearingMapStudy
 from toothspace.core.units import from_si
 from toothspace.floating.coupling import CoupledPoint
-from toothspace.simulation.elastic import require_floating_part
+from toothspace.run.elastic import require_floating_part
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
 from toothspace.studies.points import (
     collected,

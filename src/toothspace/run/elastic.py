@@ -7,29 +7,32 @@ from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.floating.coupled_run import coupled_solution
 from toothspace.floating.coupling import PointRequest
-from toothspace.floating.problem import NO_FLOATING_PART, LateralSettings, balance_of
+from toothspace.floating.problem import (
+    NO_FLOATING_PART,
+    LateralSettings,
+    balance_of,
+)
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
-from toothspace.simulation.heating import lateral_heating, with_temperatures
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Setup
+from toothspace.run.heating import lateral_heating, with_temperatures
+from toothspace.run.run import Run
 
 
-def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
-    require_floating_part(setup.case)
-    case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
+    require_floating_part(run.case)
+    case, balance = run.case, balance_of(run.machine)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
-    machine = run_in_machine(setup, progress)
+    ready = run.worn(progress).with_films(progress)
     found = coupled_solution(
-        machine.description,
-        machine.fluid,
-        machine.at(condition, progress),
+        ready.machine,
+        ready.fluid,
+        ready.repeated(progress),
         request,
         case.run.film_steps_per_revolution,
         progress,
     )
-    return with_temperatures(case, machine.description, found)
+    return with_temperatures(case, ready.machine, found)
 
 
 def lateral_settings(case: Case) -> LateralSettings:
