@@ -28,13 +28,13 @@ from toothspace.core.keys import (
 from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
-from toothspace.films.lateral.motion import Balance
-from toothspace.model.lateral_balance import HousingContact
+from toothspace.floating.heat import settle_bearing
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralProblem, lateral_problem
+from toothspace.model.floating_bearing import HousingContact
 from toothspace.plotting.bearing_figures import balance_figures
 from toothspace.results.summary_names import unit_of
-from toothspace.simulation.lateral.heat import settle_bearing
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
 from toothspace.studies.keys import PRESSURE
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record

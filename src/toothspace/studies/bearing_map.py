@@ -10,9 +10,9 @@ from typing import Any, final
 from toothspace.case import Case
 from toothspace.core.keys import KeyTable, grid, integer, quantity
 from toothspace.core.units import from_si
+from toothspace.floating.coupling import CoupledPoint
 from toothspace.plotting.bearing_figures import map_figures
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import require_floating_part
+from toothspace.run.elastic import require_floating_part
 from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
 from toothspace.studies.points import (

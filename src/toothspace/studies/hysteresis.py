@@ -23,8 +23,8 @@ from toothspace.core.keys import (
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO, HousingFriction
-from toothspace.model.lateral_balance import HousingContact
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
+from toothspace.model.floating_bearing import HousingContact
 from toothspace.plotting.lateral_figures import hysteresis_figures
 from toothspace.studies.keys import PRESSURE
 from toothspace.studies.lateral_points import (

@@ -17,10 +17,10 @@ from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.report.study import study_report_html
 from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.studies import hysteresis, lateral_points, run_study, study_figures
 from toothspace.studies.balance_sweep import BalanceSweepStudy
 from toothspace.studies.bearing_map import BearingMapStudy
