@@ -304,6 +304,26 @@ def test_files_figures_and_page(study: str, calls: list[Case], tmp_path: Path) -
     assert result.tables[0].name in page
 
 
+def test_a_result_is_drawn_listed_and_viewed(calls: list[Case]) -> None:
+    result = run_study(case_with_study(SWEEP))
+    assert result.plot.names() == ["sweep"]
+    assert len(result.plot.sweep().axes) >= 4
+    assert "sweep" in dir(result.plot)
+    with pytest.raises(CaseError, match=r"figure: found 'sweeps', allowed sweep \(did you mean"):
+        result.plot.figure("sweeps")
+    assert not hasattr(result.plot, "sweeps")
+    frame = result.to_dataframe()
+    assert len(frame) == 6
+    assert frame.loc[2, CLEARANCE] == 20.0
+    assert frame.attrs["units"][CLEARANCE] == "um"
+    view = result._repr_html_()
+    assert view.count("<svg") == 1
+    assert "plot.sweep()" in view
+    table = run_study(case_with_study(MAP)).to_dataframe()
+    assert table.index.names == ["shaft_speed", "pressure_difference"]
+    assert table["mean_torque_N_m"].tolist() == pytest.approx([5.0, 10.0, 15.0] * 2)
+
+
 def write_case(folder: Path, study: str) -> Path:
     case = case_with_study(study)
     path = folder / "case.toml"
