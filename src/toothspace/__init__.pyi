@@ -20,6 +20,6 @@ from .results.solution import Solution as Solution
 from .run.run import Run as Run
 from .studies import StudyResult as StudyResult
 from .studies import run_study as run_study
-from .studies import sweep as sweep
+from .studies.sweep import sweep as sweep
 
 __version__: str

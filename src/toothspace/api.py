@@ -15,7 +15,6 @@ import numpy as np
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import kept_by_content
-from toothspace.case.study import study_kind
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -104,9 +103,7 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
         given = given.replace({name.replace("__", "."): v for name, v in overrides.items()})
     if given.study is not None:
         allowed = "toothspace.run_study for it, or study = None for one run of the case"
-        raise CaseError(
-            f"{given.label}: study: found {study_kind(given.study)!r}, allowed {allowed}"
-        )
+        raise CaseError(f"{given.label}: study: found {given.study_kind!r}, allowed {allowed}")
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
     solution = with_warnings(simulated(run, progress), known_pressure(given))

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from tests.architecture.sources import PACKAGE, SOURCES, Source
-from toothspace.case.study import STUDIES
 from toothspace.core.registry import VIEWS
 
 Definition = tuple[str, str]
@@ -229,8 +228,8 @@ def entry_points(graph: CallGraph) -> list[Definition]:
     found += [*graph.public("toothspace.films.public"), *graph.public("toothspace.elasticity")]
     for module, own in graph.modules.items():
         parts = module.split(".")
-        if module.removeprefix("toothspace.studies.") in STUDIES:
-            found.append((module, "run"))
+        if module.startswith("toothspace.studies.") and "STUDY" in own.definitions:
+            found.append((module, "STUDY"))
         if any(_is_main(statement) for statement in own.tree.body):
             found.append((module, BODY))
         if parts[:2] == ["toothspace", "machines"] and (

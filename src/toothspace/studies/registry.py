@@ -1,24 +1,14 @@
-"""Studies by the value of ``study.kind``, which is the name of their module.
-
-Each module has a function ``run(case, context) -> StudyResult``: the case has a table
-``[study]`` of its kind, the context gives progress, workers and records of finished points. An
-interrupt by the user ends a study with the points that are finished.
-"""
+"""Runs the study of a case. An interrupt by the user ends it with the points that are finished."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
-from toothspace import api
 from toothspace.case import Case, load_case
-from toothspace.case.study import SweepStudy, study_kind
+from toothspace.core import registry
 from toothspace.core.errors import CaseError
-from toothspace.core.files import path_of
 from toothspace.core.progress import Progress
 from toothspace.run.run import provenance_of
 from toothspace.studies.records import FILE_NAME, Records
@@ -26,22 +16,8 @@ from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.workers import Workers
 
 
-def kind_of(case: Case) -> str:
-    """Return the kind of the study of a case.
-
-    Raises
-    ------
-    CaseError
-        If the case has no study.
-    """
-    if case.study is None:
-        allowed = "a table [study] with its kind"
-        raise CaseError(f"{case.label}: study: found nothing, allowed {allowed}")
-    return study_kind(case.study)
-
-
 def run_study(
-    case: Case,
+    case: Case | str | Path,
     folder: str | Path | None = None,
     *,
     progress: Progress | None = None,
@@ -53,7 +29,7 @@ def run_study(
 
     Parameters
     ----------
-    case : Case
+    case : Case, str or Path
         Case with a table ``[study]``.
     folder : str or Path, optional
         Keeps finished points while the study runs, and the result at its end.
@@ -76,13 +52,18 @@ def run_study(
     CaseError
         If the case asks for the impossible.
     """
-    kind = kind_of(case)
-    module = import_module(f"toothspace.studies.{kind}")
+    case = load_case(case)
+    kind = case.study_kind
+    if not kind:
+        allowed = "a table [study] with its kind"
+        raise CaseError(f"{case.label}: study: found nothing, allowed {allowed}")
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
     try:
         with Workers(workers, scheduler) as pool:
-            result: StudyResult = module.run(case, StudyContext(progress, pool, records))
+            result: StudyResult = registry.study(kind).run(
+                case, StudyContext(progress, pool, records)
+            )
     except (CaseError, KeyboardInterrupt):
         records.withdraw()
         raise
@@ -96,44 +77,3 @@ def run_study(
     if folder is not None:
         result.save(folder)
     return result
-
-
-def sweep(
-    case: api.AnyCase,
-    vary: Mapping[str, Any],
-    *,
-    workers: int = 1,
-    folder: str | Path | None = None,
-    progress: Progress | None = None,
-) -> StudyResult:
-    """Run a case at all combinations of values; the last key runs fastest.
-
-    Parameters
-    ----------
-    case : Case, str, Path or mapping
-        Case with an operating point or a circuit; its own study does not count.
-    vary : mapping of key path to values
-        Lists, or ``{"from": ..., "to": ..., "count": ...}``; values as in a case file.
-    workers : int
-        Processes.
-    folder : str or Path, optional
-        Folder of the results; finished points found there are not run again.
-    progress : callable, optional
-        Called with the finished share and a short text.
-
-    Returns
-    -------
-    StudyResult
-        Summary numbers over ``point`` in ``data``.
-
-    Raises
-    ------
-    CaseError
-        If no point can be run.
-    """
-    study = replace(load_case(case), study=SweepStudy(vary=vary))
-    place = None if folder is None else path_of(folder, "folder", "a folder")
-    resume = place is not None and place.is_dir()
-    return run_study(
-        study, place, progress=progress, workers=api.process_count(workers), resume=resume
-    )
