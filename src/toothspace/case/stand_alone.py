@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Integer,
-    KeyRuleError,
     KeyTable,
     Number,
     QuantityKey,
@@ -94,7 +94,7 @@ class FilmSurfaces(KeyTable):
 
     def __post_init__(self) -> None:
         if self.moving_roughness + self.resting_roughness <= 0.0:
-            raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
+            raise CaseError("moving_roughness", "two smooth walls", "one rough wall or more")
         if self.contact_law != "table":
             return
         ratios = [point[0] for point in self.contact_points]
@@ -104,7 +104,7 @@ class FilmSurfaces(KeyTable):
         if len(ratios) < 2 or not growing or not falling:
             found = f"{len(ratios)} points" if len(ratios) < 2 else "gaps or pressures out of order"
             allowed = "two points or more with a growing gap and a falling pressure"
-            raise KeyRuleError("contact_points", found, allowed)
+            raise CaseError("contact_points", found, allowed)
 
 
 @final
@@ -164,10 +164,10 @@ class ShaftOrbit(KeyTable):
     def __post_init__(self) -> None:
         if self.time_step > self.duration:
             found = f"{self.time_step:g} s"
-            raise KeyRuleError("time_step", found, f"at most the duration, {self.duration:g} s")
+            raise CaseError("time_step", found, f"at most the duration, {self.duration:g} s")
         if self.duration > _MOST_STEPS * self.time_step:
             found = f"{self.duration / self.time_step:.0f} steps"
-            raise KeyRuleError("time_step", found, f"at most {_MOST_STEPS} steps")
+            raise CaseError("time_step", found, f"at most {_MOST_STEPS} steps")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -257,9 +257,9 @@ class JournalBearingCase(FilmKeys):
         else:
             forbid(self, "because load is given", "eccentricity")
         if self.moment is not None and self.orbit is not None:
-            raise KeyRuleError("moment", "a moment with an orbit", "one of both")
+            raise CaseError("moment", "a moment with an orbit", "one of both")
         if self.eccentricity is not None and sum(e * e for e in self.eccentricity) >= 1.0:
-            raise KeyRuleError("eccentricity", str(list(self.eccentricity)), "length below 1")
+            raise CaseError("eccentricity", str(list(self.eccentricity)), "length below 1")
 
 
 @final
@@ -343,7 +343,7 @@ class RingFilmCase(FilmKeys):
     def __post_init__(self) -> None:
         if self.inner_radius >= self.outer_radius:
             found = f"{1e3 * self.inner_radius:g} mm"
-            raise KeyRuleError("inner_radius", found, "below the outer radius")
+            raise CaseError("inner_radius", found, "below the outer radius")
         if self.inner_pressure is None and self.outer_pressure is None:
             require(self, "unless inner_pressure is given", "outer_pressure")
 

@@ -88,7 +88,7 @@ def _film_at(
     match keys:
         case JournalBearingCase():
             if keys.heat is not None and keys.orbit is not None:
-                raise CaseError("bearing.heat: found an orbit, allowed a steady film")
+                raise CaseError("bearing.heat", "an orbit", "a steady film")
             own = {
                 "grooves": tuple(Groove(**vars(groove)) for groove in keys.grooves),
                 "lobes": None if keys.lobes is None else Lobes(**vars(keys.lobes)),
@@ -123,19 +123,16 @@ def _heated(
     place = "bearing" if isinstance(keys, JournalBearingCase) else "film"
     if keys.heat is None:
         if keys.dynamic_viscosity is None and case.fluid is None:
-            allowed = "allowed are a viscosity or a [fluid]"
-            raise CaseError(f"dynamic_viscosity: found nothing, {allowed}")
+            raise CaseError("dynamic_viscosity", "nothing", "a viscosity or a [fluid]")
         given = keys.dynamic_viscosity
         return solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
     if case.fluid is None:
-        raise CaseError(f"{place}.heat: found no fluid, allowed the viscosity of a table [fluid]")
+        raise CaseError(f"{place}.heat", "no fluid", "the viscosity of a table [fluid]")
     heating = film_heating(case, keys.heat.oil_share)
     try:
         heated = solve_heated(solve, heating.viscosity, heating.balance)
     except CaseError as error:
-        if str(error).startswith("heat:"):
-            raise CaseError(f"{place}.{error}") from error
-        raise
+        raise error.under(place if error.problems[0].key == "heat" else "") from error
     return heated.film, summaries.heat_summary(heated)
 
 

@@ -11,17 +11,7 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import (
-    Free,
-    KeyRuleError,
-    KeyTable,
-    Named,
-    Row,
-    declare,
-    file_path,
-    integer,
-    number,
-)
+from toothspace.core.keys import Free, KeyTable, Named, Row, declare, file_path, integer, number
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import from_si
@@ -59,7 +49,7 @@ class CalibrateStudy(KeyTable):
 
     def __post_init__(self) -> None:
         if not self.fit:
-            raise KeyRuleError("fit", "nothing", "at least one key path with two bounds")
+            raise CaseError("fit", "nothing", "at least one key path with two bounds")
         for path, bounds in self.fit.items():
             check_span(dict(zip(("from", "to"), bounds, strict=True)), f"fit.{path}")
 
@@ -97,8 +87,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         first, last, duration = measured.times[0], measured.times[-1], case.circuit.duration
         if first < 0.0 or last > duration * (1.0 + 1e-9):
             raise CaseError(
-                f"{label}: study.data: found times from {first:g} s to {last:g} s, "
-                f"allowed 0 s to {duration:g} s"
+                f"{label}: study.data",
+                f"times from {first:g} s to {last:g} s",
+                f"0 s to {duration:g} s",
             )
     used = _used_rows(study, measured, len(axes), label)
     model = _Model(case, axes, measured, context, used, study.evaluation_count)
@@ -187,7 +178,7 @@ class _Model:
         unknown = [name for name in names if numbers is not None and name not in numbers]
         if unknown and numbers is not None:
             allowed = ", ".join(numbers)
-            raise CaseError(f"study.data: found the column {unknown[0]!r}, allowed {allowed}")
+            raise CaseError("study.data", f"the column {unknown[0]!r}", allowed)
         return names
 
 
@@ -212,7 +203,7 @@ def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str)
     numbers = int(used.sum()) * len(measured.channels)
     if numbers < keys:
         found = f"{numbers} numbers for {keys} keys"
-        raise CaseError(f"{label}: study.data: found {found}, allowed at least as many as keys")
+        raise CaseError("study.data", found, "at least as many as keys").in_file(label)
     return used
 
 

@@ -45,8 +45,9 @@ class Lobes:
     def __post_init__(self) -> None:
         if self.count < 1 or not 0.0 <= self.preload < 1.0:
             raise CaseError(
-                f"bearing.lobes: found {self.count} lobes of preload {self.preload!r}, allowed are "
-                "1 lobe or more and preloads from 0 to below 1"
+                "bearing.lobes",
+                f"{self.count} lobes of preload {self.preload!r}",
+                "are 1 lobe or more and preloads from 0 to below 1",
             )
 
     def narrowing(self, angle: Array) -> Array:

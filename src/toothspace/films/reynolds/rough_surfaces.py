@@ -261,9 +261,9 @@ class RoughSurfaces:
 
     def __post_init__(self) -> None:
         if not self.roughness > 0.0:
-            raise CaseError("roughness: found two smooth walls, allowed is one rough wall or more")
+            raise CaseError("roughness", "two smooth walls", "is one rough wall or more")
         if self.contact_law not in _LAWS:
-            raise CaseError(f"contact_law: found {self.contact_law!r}, allowed are {sorted(_LAWS)}")
+            raise CaseError("contact_law", f"{self.contact_law!r}", f"are {sorted(_LAWS)}")
         if self.contact_law == "table":
             _check_table(self.contact_points)
 
@@ -291,8 +291,9 @@ def _check_table(points: tuple[tuple[float, float], ...]) -> None:
     falling = all(0.0 < b <= a for a, b in pairwise(pressures))
     if len(points) < 2 or not growing or not falling:
         raise CaseError(
-            f"contact_points: found {len(points)} points, allowed are two or more with a growing "
-            "gap ratio and a positive, falling pressure"
+            "contact_points",
+            f"{len(points)} points",
+            "are two or more with a growing gap ratio and a positive, falling pressure",
         )
 
 
@@ -303,8 +304,9 @@ def refuse_deep_contact(gap: Array, surfaces: RoughSurfaces | None, place: str) 
     lowest, allowed = float(gap.min()), -DEEPEST * surfaces.roughness
     if lowest < allowed:
         raise CaseError(
-            f"{place}: found a smallest gap of {1e6 * lowest:.3g} um, allowed between these rough "
-            f"walls are gaps from {1e6 * allowed:.3g} um"
+            place,
+            f"a smallest gap of {1000000.0 * lowest:.3g} um",
+            f"between these rough walls are gaps from {1000000.0 * allowed:.3g} um",
         )
 
 
