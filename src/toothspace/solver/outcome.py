@@ -26,6 +26,7 @@ from toothspace.model.path_category import (
 )
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
+from toothspace.results.tooth_contacts import has_tooth_contacts, tooth_forces
 from toothspace.results.variables import LABELS, dataset_from
 from toothspace.solver.compiled_model import (
     Observation,
@@ -67,6 +68,7 @@ def solution_from(
     seen = observe(system.arrays, history.states)
     trapped, kinds = trapped_flows(history, seen), leakage_categories(system)
     ports, own = port_values(history, seen), system.arrays.chambers
+    bodies = body_values(history, seen)
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
     values = {
         **ports,
@@ -76,7 +78,7 @@ def solution_from(
         "chamber_volume": seen.volume[:, : system.arrays.size.chambers],
         "chamber_angle": np.mod(angle, 2.0 * np.pi),
         "opening_area": openings(system.description, history.states[:, 0]),
-        **body_values(history, seen),
+        **bodies,
         **loss_values(history, seen),
         **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
@@ -86,11 +88,13 @@ def solution_from(
         "drain_flow_rate": _drain_flow_rate(system, seen),
         # at the shaft, of walls that drag fluid to higher pressure
         "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
+        **_teeth(system.description, history.states[:, 0], bodies),
         **extra,
     }
-    data = dataset_from(
-        values, labels_of(system), attributes=attributes_of(system.description, title)
-    )
+    labels = labels_of(system)
+    if "tooth_force" in values:
+        labels["tooth"] = [f"tooth_{k}" for k in range(values["tooth_force"].shape[1])]
+    data = dataset_from(values, labels, attributes=attributes_of(system.description, title))
     return Solution(
         status=history.status,
         data=data,
@@ -99,6 +103,17 @@ def solution_from(
         provenance=provenance,
         events=history.events,
     )
+
+
+def _teeth(
+    description: MachineDescription, angle: Array, bodies: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Contact forces by tooth and where the teeth are; empty for gears."""
+    if not has_tooth_contacts(description):
+        return {}
+    contacts = bodies["contact_force"], bodies["contact_gap"]
+    force, place = tooth_forces(angle, *contacts, description)
+    return {"tooth_force": force, "tooth_place": place}
 
 
 def lateral_values(history: History, seen: Observation) -> dict[str, Array]:

@@ -96,18 +96,18 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 def contact_numbers(case: Case) -> Mapping[str, Any]:
     """Run a case and return the numbers of its contacts."""
     from toothspace import api
-    from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
+    from toothspace.results.tooth_contacts import LOADED_SHARE
 
     solution = api.simulate(case)
     share = getattr(case.study, "force_fraction", LOADED_SHARE)
-    found = tooth_forces(solution.data, api.describe(case))
-    loaded = found.loaded(share)
+    found = solution.tooth_contacts()
+    loaded = found.loaded_above(share)
     mechanisms = [str(name) for name in solution.data["mechanism"].values]
     means = np.asarray(solution.data["torque_loss"]).mean(axis=0)
     losses = dict(zip(mechanisms, means, strict=True))
     contact = losses.pop(_MECHANISM)
     return {
-        "span_pitches": found.span(share),
+        "span_pitches": found.span_above(share),
         "least_teeth_loaded": int(loaded.min()),
         "most_teeth_loaded": int(loaded.max()),
         "mean_contact_force_N": found.mean_total,
@@ -123,13 +123,12 @@ def _waveforms(case: Case) -> xr.Dataset:
     import xarray as xr
 
     from toothspace import api
-    from toothspace.results.tooth_contacts import tooth_forces
 
     complete = api.simulate(case)
     ideal = api.simulate(case.at_point({"run.fidelity": "ideal"}))
     single = api.simulate(case.at_point({_THEORY: "single"}))
     angle = _last_turn(complete)
-    found = tooth_forces(complete.data, api.describe(case))
+    found = complete.tooth_contacts()
     friction = np.asarray(complete.data["torque_loss"].sel(mechanism=_MECHANISM))
     torque = np.asarray(complete.data["shaft_torque"])
     torques = {
