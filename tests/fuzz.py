@@ -185,7 +185,7 @@ def drawing(kind: str) -> bytes:
 @cache
 def teeth() -> Mapping[str, bytes]:
     """Deviations of teeth as a table and as the curve file of a gear tester."""
-    from tests.unit.test_measured_teeth import curve_file, known, table_file
+    from tests.unit.machines.test_measured_teeth import curve_file, known, table_file
 
     writers = {"csv": table_file, "mka": curve_file}
     paths = {kind: folder() / f"whole.{kind}" for kind in writers}
@@ -204,7 +204,7 @@ def read_solid(data: st.DataObject) -> None:
 
 
 def read_teeth(data: st.DataObject) -> None:
-    from tests.unit.test_measured_teeth import FLANK
+    from tests.unit.machines.test_measured_teeth import FLANK
 
     kind = data.draw(st.sampled_from([*teeth()]))
     path = file_of(damaged(teeth()[kind], data.draw(DAMAGE)), f"teeth.{kind}")

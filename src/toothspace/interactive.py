@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from toothspace import api
+from toothspace.advice.findings import findings_of, status_line
 from toothspace.case import Case, load_case
-from toothspace.case.study import SweepStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_text
+from toothspace.core.finding import Finding
 from toothspace.core.types import Array
 from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
 from toothspace.model.description import MachineDescription
@@ -41,16 +42,33 @@ _KEY_NUMBERS = 12
 class Solution(results.Solution):
     """Result of one run with its figures, tables and report.
 
-    ``status``, ``data``, ``ledger``, ``statistics``, ``provenance``, ``events``, ``summary()`` and
-    ``save()`` are those of :class:`toothspace.results.solution.Solution`.
+    ``status``, ``data``, ``ledger``, ``statistics``, ``provenance``, ``events``, ``warnings``,
+    ``summary()`` and ``save()`` are those of :class:`toothspace.results.solution.Solution`.
     """
 
     @cached_property
-    def description(self) -> MachineDescription | None:
-        """The machine, rebuilt from the case in the result; None if a file of it is gone."""
+    def _machine(self) -> tuple[MachineDescription | None, str]:
+        """The machine, and why there is none."""
         from toothspace.report.machine import machine_of
 
-        return machine_of(self)[0]
+        return machine_of(self)
+
+    @property
+    def description(self) -> MachineDescription | None:
+        """The machine, rebuilt from the case in the result; None if a file of it is gone."""
+        return self._machine[0]
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What to know before trusting the result or building the machine, serious things first.
+
+        Warnings of the run, limits that it exceeds and design rules that the machine does not
+        meet: the same list on the command line, in JSON, in the report and in comparisons.
+        """
+        return findings_of(self, *self._machine)
+
+    def __repr__(self) -> str:
+        return self._shown(status_line(self.status, self.findings))
 
     @property
     def plot(self) -> Figures:
@@ -118,9 +136,10 @@ class Solution(results.Solution):
         ]
         section = figure_to_svg(self.plot.section()) if "gear_section" in self.plot.names() else ""
         head = escape(self.provenance.get("title", self.data.attrs.get("title", "")))
-        status = f"{self.status.name.lower()}: {self.status.value}"
+        status = escape(status_line(self.status, self.findings))
+        found = "".join(f"<li>{escape(str(finding))}</li>" for finding in self.findings)
         table = f"<table>{''.join(rows)}</table>"
-        return f"<h4>{head}</h4><p>{escape(status)}</p>{table}<div>{section}</div>"
+        return f"<h4>{head}</h4><p>{status}</p><ul>{found}</ul>{table}<div>{section}</div>"
 
 
 @final
@@ -352,6 +371,7 @@ def sweep(
         If no point can be run.
     """
     from toothspace.studies.registry import run_study
+    from toothspace.studies.sweep import SweepStudy
 
     study = replace(_as_case(case), study=SweepStudy(vary=vary))
     place = None if folder is None else path_of(folder, "folder", "a folder")

@@ -61,6 +61,26 @@ class EfficiencyLine(KeyTable):
     per_100_bar: float = number("Change per 100 bar.", low=-1, high=1, default=0.0)
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class RatedPoint(KeyTable):
+    """Point of a pump's catalogue, to which its laminar slip is fitted."""
+
+    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
+    pressure_difference: float = quantity("bar", "Pressure rise.", above=0, high=2000)
+    volumetric_efficiency: float = number("Volumetric efficiency there.", above=0, high=1)
+    dynamic_viscosity: float = quantity(
+        "Pa s", "Viscosity of the oil of the catalogue.", above=0, high=10
+    )
+
+    def slip_coefficient(self, without_slip: float) -> float:
+        """Slip of Wilson, (without_slip - efficiency) viscosity speed / pressure rise. [-]."""
+        slip = (
+            (without_slip - self.volumetric_efficiency) * self.dynamic_viscosity * self.shaft_speed
+        )
+        return slip / self.pressure_difference
+
+
 @dataclass(frozen=True, kw_only=True)
 class SpeedHistory(KeyTable):
     """Speed over time, in the case or in a file."""
@@ -87,6 +107,12 @@ class PumpMap(SpeedHistory):
     volumetric_efficiency: EfficiencyLine = table(
         EfficiencyLine, "Efficiency over pressure.", default=EfficiencyLine(offset=1.0)
     )
+    rated_point: RatedPoint | None = table(
+        RatedPoint,
+        "Point of a catalogue that gives the slip: what the efficiency line leaves of its "
+        "losses. Instead of slip_coefficient.",
+        default=None,
+    )
     table: Path | None = file_path(
         "Map instead of the line: columns speed [rpm], pressure_difference [bar] and "
         "volumetric_efficiency [1] of a full grid.",
@@ -100,10 +126,32 @@ class PumpMap(SpeedHistory):
         default=0.0,
     )
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.rated_point is None:
+            return
+        forbid(self, "because rated_point is given", "table")
+        if self.slip_coefficient > 0.0:
+            allowed = "leave this key out because rated_point is given"
+            raise KeyRuleError("slip_coefficient", f"{self.slip_coefficient:g}", allowed)
+        if self.slip < 0.0:
+            found = f"a volumetric efficiency of {self.rated_point.volumetric_efficiency:g}"
+            raise KeyRuleError("rated_point", found, "one that volumetric_efficiency leaves")
+
+    @property
+    def slip(self) -> float:
+        """Slip of Wilson, given or from the rated point. [-]."""
+        rated, line = self.rated_point, self.volumetric_efficiency
+        if rated is None:
+            return self.slip_coefficient
+        return rated.slip_coefficient(
+            line.offset + line.per_100_bar * rated.pressure_difference / 1e7
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Line(KeyTable):
-    """Length, bore and wall of a line."""
+    """Length, bore and wall of a line; without ``effective_bulk_modulus`` or a wall it is rigid."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)
@@ -119,7 +167,16 @@ class Line(KeyTable):
     cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
 
     def __post_init__(self) -> None:
-        instead_of(self, "effective_bulk_modulus", "wall_thickness", "wall_modulus")
+        wall = ("wall_thickness", "wall_modulus")
+        if self.effective_bulk_modulus is not None:
+            forbid(self, "because effective_bulk_modulus is given", *wall)
+        elif self.has_wall:
+            require(self, f"where one of {' and '.join(wall)} is given", *wall)
+
+    @property
+    def has_wall(self) -> bool:
+        """Whether a tube is described."""
+        return self.wall_thickness is not None or self.wall_modulus is not None
 
 
 @final
@@ -153,6 +210,8 @@ class Hose(Line):
     def __post_init__(self) -> None:
         if self.carries_waves and self.wall_stiffening > 1.0:
             raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
+        if self.wall_stiffening > 1.0 and self.effective_bulk_modulus is None and not self.has_wall:
+            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 of a rigid line")
         super().__post_init__()
 
     @property

@@ -41,6 +41,11 @@ def exit_code(case_file: Path, status: Status) -> int:
     """Say what a status other than done means; returns the exit code."""
     if status is not Status.DONE:
         output.message(f"{case_file}: {status.name.lower()}: {status.value}")
+    return code_of(status)
+
+
+def code_of(status: Status) -> int:
+    """Exit code that a status gives."""
     return _EXIT_CODES.get(status, NUMERICAL_FAILURE)
 
 

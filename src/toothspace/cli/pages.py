@@ -76,6 +76,8 @@ def compare(
         output.write_comparison({f"{n}, W": both for n, both in comparison.losses().items()})
     for warning in comparison.warnings():
         output.message(f"Warning: {warning}")
+    for finding in comparison.finding_lines():
+        output.message(finding)
     if target is not None:
         output.message(f"Comparison: {comparison.write(target)}")
 

@@ -22,6 +22,7 @@ from toothspace.cli.options import (
     Force,
     Json,
     Overrides,
+    code_of,
     exit_code,
     load,
     named,
@@ -57,6 +58,9 @@ def run(
         str | None, typer.Option(metavar="P", help="ideal, lumped, films or elastic.")
     ] = None,
     overrides: Overrides = None,
+    without_study: Annotated[
+        bool, typer.Option("--without-study", help="One run of a case that has a [study].")
+    ] = False,
     force: Force = False,
 ) -> int:
     """Simulate a case and write the result."""
@@ -67,28 +71,37 @@ def run(
         if getattr(case, table) is not None:
             allowed = f"with 'toothspace {table}' only"
             raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
+    if case.study is not None and without_study:
+        case = case.replace({"study": None})
+    elif case.study is not None:
+        allowed = f"with 'toothspace study {case_file}', or --without-study for one run of the case"
+        raise CaseError(f"{case_file}: study: found {case.study_kind!r}, allowed {allowed}")
     target = require_writable(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
-    from toothspace import api
-    from toothspace.simulation.presets import unused_tables
+    from toothspace import interactive
+    from toothspace.advice.findings import status_line
+    from toothspace.run.interfaces import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:
         with named(case_file), output.progress(case.title) as progress:
-            solution = api.simulate(case, progress=progress)
+            solution = interactive.simulate(case, progress=progress)
     except KeyboardInterrupt:
         output.message(f"{case_file}: interrupted before there was a result")
         return INTERRUPTED
     with interrupts_held():
         kept = _keep(solution, target)
-        output.write(solution.summary(), as_json=as_json)
-        code = exit_code(case_file, solution.status)
-        for warning in filter(None, solution.provenance.get("warnings", "").splitlines()):
-            output.message(f"Warning: {warning}")
+        findings, summary = solution.findings, solution.summary()
+        found = {"findings": [finding.to_dict() for finding in findings]} if as_json else {}
+        output.write({**summary, **found}, as_json=as_json)
+        for finding in findings:
+            output.message(str(finding))
         for path, reason in unused_tables(case).items():
             output.message(f"Note: {path} is not used {reason}")
+        output.message(f"{case_file}: {status_line(solution.status, findings)}")
         output.message(f"Result: {kept or 'the numbers above only'}")
+    code = code_of(solution.status)
     return code if kept == target else BAD_INPUT
 
 
@@ -134,9 +147,8 @@ def study(
 ) -> int:
     """Run the study of a case: many runs with one question."""
     case = load(case_file, overrides)
-    from toothspace.studies.registry import kind_of, run_study
+    from toothspace.studies.registry import run_study
 
-    kind = kind_of(case)
     folder = folder or Path(f"{case_file.stem}_study")
     if folder.exists() and not folder.is_dir():
         raise CaseError(f"{folder}: -o: found a file, allowed a folder")
@@ -144,7 +156,7 @@ def study(
         raise CaseError(
             f"{folder}: -o: found results of a study, allowed another folder, --resume or --force"
         )
-    with named(case_file), output.progress(f"{kind}:") as progress:
+    with named(case_file), output.progress(f"{case.study_kind}:") as progress:
         result = run_study(
             case, folder, progress=progress, workers=workers, scheduler=scheduler, resume=resume
         )

@@ -24,10 +24,6 @@ class DesignCheck:
     """Verdict."""
     reason: str
     """One sentence on why the rule matters."""
-    of_drawing: bool = False
-    """Whether it judges the file that the machine was read from rather than the design, so that
-    every run reports it.
-    """
 
     @property
     def shown_value(self) -> str:
@@ -36,11 +32,10 @@ class DesignCheck:
         return f"{self.value:.4g}{unit}"
 
     @property
-    def sentence(self) -> str:
-        """What was found, what is allowed and why."""
+    def label(self) -> str:
+        """Rule as the beginning of a sentence."""
         name = self.name.replace("_", " ")
-        found = f"{name[:1].upper()}{name[1:]} is {self.shown_value}"
-        return f"{found}, allowed {self.allowed}. {self.reason}"
+        return f"{name[:1].upper()}{name[1:]}"
 
 
 def warnings_of(checks: Iterable[DesignCheck]) -> list[str]:

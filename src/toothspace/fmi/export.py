@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace import api
+from toothspace.advice.findings import rule_finding
 from toothspace.case import Case
-from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.files import write_bytes
 from toothspace.core.progress import Progress
@@ -21,8 +21,8 @@ from toothspace.core.status import Status
 from toothspace.core.units import from_si
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
 from toothspace.fmi.tables import ShaftSamples, tables_of
-from toothspace.simulation.setup import provenance_of
-from toothspace.studies.efficiency_map import map_records
+from toothspace.run.run import provenance_of
+from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
 from toothspace.studies.points import status_of
 from toothspace.studies.records import Record, Records, failed_count
 from toothspace.studies.study import StudyContext, StudyResult
@@ -60,7 +60,7 @@ def export_fmu(
     if drive not in DRIVES:
         raise CaseError(f"drive: found {drive!r}, allowed {' or '.join(map(repr, DRIVES))}")
     operating = case.operating_point
-    if operating is None or case.run.fidelity == "ideal":
+    if operating is None or not case.run.preset.has_losses:
         found = "no [operating_point]" if operating is None else "the fidelity 'ideal'"
         raise CaseError(f"{case.label}: found {found}, allowed a steady case with losses")
     # the circuit round the unit sets the pressures, so what the ports see is the machine alone
@@ -87,7 +87,7 @@ def export_fmu(
         "shaft_speed_rpm": [from_si(value, "rpm") for value in speeds],
         "points": len(records),
         "points_failed": failed_count(records),
-        "warnings": _warnings(pairs, records),
+        "warnings": [*_warnings(pairs, records), *_broken_rules(steady)],
     }
     if status is Status.DONE:
         description = api.describe(steady)
@@ -138,6 +138,12 @@ def _axis(name: str, unit: str, given: Sequence[float]) -> list[float]:
         found = ", ".join(f"{from_si(value, unit):g} {unit}" for value in given)
         raise CaseError(f"{name}: found {found}, allowed at least two values above zero")
     return values
+
+
+def _broken_rules(case: Case) -> list[str]:
+    """Design rules that the machine does not meet."""
+    checks = api.describe(case).checks
+    return [rule_finding(check).sentence for check in checks if not check.passed]
 
 
 def _warnings(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> list[str]:

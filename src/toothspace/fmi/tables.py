@@ -52,7 +52,7 @@ class ShaftSamples:
         summary = solution.summary()
         if not solution.status.succeeded:
             return summary
-        warnings = solution.provenance.get("warnings", "").splitlines()
+        warnings = [warning.sentence for warning in solution.warnings]
         return {**_ripples(solution), **_means(solution), "warnings": warnings, **summary}
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal, final
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, final
 
 import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.circuit import PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE, SUPPLY_PUMP
+from toothspace.model.description import BreakawayLaw
 from toothspace.model.fluid_column import FLUID_COLUMN
 
 _KINDS = {
@@ -105,6 +106,36 @@ class CircuitNetwork:
     """What joins them."""
     supply_pressure: float = 1e5
     """Absolute pressure of the tank that supply pumps draw from. [Pa]"""
+    tank_ends: tuple[CircuitNode, ...] = ()
+    """Ends of elements and orifices at tanks, each a tank that accounts for its own flow."""
+
+    @property
+    def all_nodes(self) -> tuple[CircuitNode, ...]:
+        """Nodes and ends at tanks."""
+        return (*self.nodes, *self.tank_ends)
+
+    def with_tank_ends(self) -> CircuitNetwork:
+        """Give every end at a tank an account of its own.
+
+        What flows out of a tank in one place and back in another would cancel in one account.
+        """
+        pressures = {node.name: node.pressure for node in self.nodes if node.volume <= 0.0}
+        found: list[CircuitNode] = []
+
+        def at_tank(name: str) -> str:
+            if name not in pressures:
+                return name
+            found.append(CircuitNode(f"{name}:{len(found)}", pressures[name]))
+            return found[-1].name
+
+        def joined(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+            return tuple(
+                replace(part, node_a=at_tank(part.node_a), node_b=at_tank(part.node_b))
+                for part in parts
+            )
+
+        elements, orifices = joined(self.elements), joined(self.orifices)
+        return replace(self, elements=elements, orifices=orifices, tank_ends=tuple(found))
 
 
 @final
@@ -132,9 +163,9 @@ class FreeShaft:
     """Largest friction at rest; zero leaves out start-up friction. [N m]"""
     breakaway_speed: float = 0.7
     """Speed up to which friction stays at the breakaway torque. [rad/s]"""
-    additive: bool = False
-    """Whether the boundary friction of the interfaces adds to the breakaway torque; else it stands
-    for all of them and they fade in with speed.
+    breakaway_law: BreakawayLaw = "total"
+    """Whether that torque stands for all interfaces, which fade in with speed, is added to their
+    boundary friction, or is their boundary friction and follows their loads.
     """
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
     """Time [s] and further torque of the load [N m], joined by straight lines. Shape (knots, 2)."""
@@ -174,7 +205,8 @@ def drive_row(
         row[col.LOAD_CONSTANT] = shaft.constant
         row[col.BREAKAWAY] = shaft.breakaway_torque
         row[col.BREAKAWAY_SPEED] = shaft.breakaway_speed
-        row[col.ADDED_FRICTION] = 1.0 if shaft.additive else 0.0
+        row[col.ADDED_FRICTION] = shaft.breakaway_law == "additive"
+        row[col.FROM_INTERFACES] = shaft.breakaway_law == "interfaces"
     return row
 
 

@@ -133,12 +133,24 @@ def prescribed_acceleration(s: SystemArrays, time: float) -> float:
 def update_fade(s: SystemArrays, speed: float) -> None:
     """Set the share of the interface friction that is present at this speed. [-].
 
-    Where the breakaway torque stands for all interfaces at rest they fade in with speed.
+    Where the breakaway torque stands for all interfaces at rest they fade in with speed; where it
+    is their boundary friction, by what is no longer left of that.
     """
     drive = s.drive
     drive[col.FADE] = 1.0
-    if drive[col.BREAKAWAY] > 0.0 and drive[col.ADDED_FRICTION] == 0.0:
+    if drive[col.FROM_INTERFACES] > 0.0:
+        drive[col.FADE] = 1.0 - boundary_share_left(s, speed)
+    elif drive[col.BREAKAWAY] > 0.0 and drive[col.ADDED_FRICTION] == 0.0:
         drive[col.FADE] = running_share(speed, drive[col.BREAKAWAY_SPEED])
+
+
+@kernel
+def boundary_share_left(s: SystemArrays, speed: float) -> float:
+    """Share of the friction at rest beyond that of the seal that is left at a speed. [-]."""
+    drive = s.drive
+    sliding = max(drive[col.DIRECTION] * speed, drive[col.BREAKAWAY_SPEED])
+    hump, _ = stribeck_hump(sliding, drive[col.BREAKAWAY_SPEED])
+    return float(hump)
 
 
 @kernel
@@ -147,9 +159,8 @@ def startup_torque(s: SystemArrays, speed: float) -> float:
     drive = s.drive
     if drive[col.BREAKAWAY] == 0.0:
         return 0.0
-    sliding = max(drive[col.DIRECTION] * speed, drive[col.BREAKAWAY_SPEED])
-    hump, _ = stribeck_hump(sliding, drive[col.BREAKAWAY_SPEED])
-    return drive[col.DIRECTION] * (drive[col.BREAKAWAY] - drive[col.RUNNING_FRICTION]) * hump
+    held = drive[col.BREAKAWAY] - drive[col.RUNNING_FRICTION]
+    return drive[col.DIRECTION] * held * boundary_share_left(s, speed)
 
 
 @kernel

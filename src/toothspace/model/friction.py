@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from toothspace.closures.traction import mesh_friction
@@ -9,9 +11,9 @@ from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
-from toothspace.model.bodies import face_sense
+from toothspace.model.bodies import curve_torques, face_sense
 from toothspace.model.drive import running_torque, startup_torque, taken_torque
-from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
+from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, REST_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import (
     FRICTION,
     LATERAL_ASPERITY,
@@ -68,6 +70,39 @@ def mesh_torque(s: SystemArrays, speed: float) -> float:
         )
         torque += friction * force * sliding
     return torque
+
+
+@kernel
+def boundary_torque(s: SystemArrays) -> float:
+    """Torque at the shaft of all interfaces at their boundary level under the present loads. [N m].
+
+    Journals at the level of their curve at rest, or of their boundary friction; teeth likewise;
+    faces as at the lowest speed of their table, none without a table; the seal as in running.
+    """
+    journal, surface = s.journal, s.surface
+    total = s.drive[col.RUNNING_FRICTION] + s.constant.lateral_torque * s.lateral.now[REST_STRESS]
+    for j in range(s.size.journals):
+        force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
+        torque = journal[j, col.BOUNDARY_FRICTION] * force * journal[j, col.RADIUS]
+        if journal[j, col.CURVES] > 0:
+            film, asperities = curve_torques(s, j, 0.0, force)
+            torque = film + asperities
+        total += abs(journal[j, col.SPEED_RATIO]) * torque
+    values, contact = s.contact_values[col.VALUE], s.contact
+    if s.size.compliant > 0:
+        for j in range(s.size.compliant):
+            force = contact[j, col.CONTACT_FORCE] * abs(values[j, col.SLIDING])
+            total += contact[j, col.PAIR_BOUNDARY] * force
+        return total
+    # the teeth of a shaft at rest carry the pressures on the driven body
+    force = 0.0
+    for i in range(s.size.chambers):
+        force += s.node[i, col.PRESSURE] * s.chamber_values[i, col.CHANNEL_MESH]
+    force = abs(force / surface.lever)
+    for j in range(s.size.contacts):
+        arm = max(values[j, col.LOAD_SHARE], 0.0) * abs(values[j, col.SLIDING])
+        total += surface.boundary_friction * force * arm
+    return total
 
 
 @kernel

@@ -29,6 +29,7 @@ from toothspace.model.lateral_table import (
     LEAKAGE,
     LOAD_SCALE,
     MOMENT_SHARE,
+    REST_STRESS,
     SHEAR,
     SHEAR_RATIO,
     LateralLookup,
@@ -72,6 +73,7 @@ def update_lateral_films(s: SystemArrays, state: Array) -> None:
     torque = unit * scales[REACH] / s.constant.lateral_torque
     now[DRAG_STRESS] = torque * between(table, at, DRAG)
     now[ASPERITY_STRESS] = torque * between(table, at, ASPERITY)
+    now[REST_STRESS] = torque * between(table, (at[0], at[1], at[2], (0, 0.0)), ASPERITY)
     now[LAG_TIME] = math.exp(between(table, at, LAG)) * viscosity / difference
 
 

@@ -81,11 +81,13 @@ LEAKAGE, SHEAR, DRAG, ASPERITY, LAG = range(5)
     MOMENT_SHARE,
     LAG_TIME,
     LOAD_SCALE,
-) = range(8)
-LATERAL_NOW = 8
+    REST_STRESS,
+) = range(9)
+LATERAL_NOW = 9
 """Columns of what was looked up last: lateral gaps and shear over their closed forms, torque of
 drag and of asperities over that of the closed form by viscosity and speed [Pa], load of the
-pressures, time in which the gap follows it [s], and force of share one [N]."""
+pressures, time in which the gap follows it [s], force of share one [N], and the torque of
+asperities at the lowest speed of the table [Pa]."""
 
 
 @passed_by_address

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from toothspace.core.files import write_text
+from toothspace.core.finding import Finding
 from toothspace.core.status import Status
-from toothspace.report.machine import case_of
+from toothspace.report.machine import case_of, findings_of_result
 from toothspace.report.page import render
 from toothspace.report.wording import format_value, quantity
 from toothspace.results.ledger import loss_causes
@@ -96,6 +97,28 @@ class Comparison:
                 found.append(f"The {place} run is no result: {one.status.value}.")
         return found
 
+    @cached_property
+    def _findings(self) -> dict[str, list[Finding]]:
+        one, two = (findings_of_result(run) for run in (self.first, self.second))
+        return {
+            "both": [finding for finding in one if finding in two],
+            "first": [finding for finding in one if finding not in two],
+            "second": [finding for finding in two if finding not in one],
+        }
+
+    def findings(self) -> dict[str, list[Finding]]:
+        """Return what is to be known of the results, by ``both``, ``first`` and ``second``."""
+        return {place: list(found) for place, found in self._findings.items()}
+
+    def finding_lines(self) -> list[str]:
+        """Return the findings as text, a line for each, with the run that it is of."""
+        names = {"both": "Both runs", "first": "First run", "second": "Second run"}
+        return [
+            f"{names[place]}, {str(x)[:1].lower()}{str(x)[1:]}"
+            for place, found in self._findings.items()
+            for x in found
+        ]
+
     def to_dataframe(self) -> pd.DataFrame:
         """Return both values, their difference and its share of the first, by name.
 
@@ -109,12 +132,16 @@ class Comparison:
         return pd.DataFrame.from_dict(rows, orient="index", columns=columns)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return keys, numbers, losses and warnings as one object for JSON."""
+        """Return keys, numbers, losses, warnings and findings as one object for JSON."""
         return {
             "keys": {name: list(values) for name, values in self._keys.items()},
             "numbers": {name: _row(name, *both) for name, both in self.numbers().items()},
             "losses_W": {name: _row(name, *both) for name, both in self.losses().items()},
             "warnings": self.warnings(),
+            "findings": {
+                place: [finding.to_dict() for finding in found]
+                for place, found in self._findings.items()
+            },
         }
 
     def write(self, path: str | Path) -> Path:
@@ -123,6 +150,7 @@ class Comparison:
             "comparison.html.j2",
             titles=[s.provenance.get("title", "") for s in (self.first, self.second)],
             warnings=self.warnings(),
+            findings=self.finding_lines(),
             keys=self._keys,
             numbers=[_shown_number(name, *both) for name, both in self.numbers().items()],
             losses=[(n, "W", *_shown_row(n, "W", *both)) for n, both in self.losses().items()],
@@ -139,7 +167,8 @@ class Comparison:
             for name, (a, b) in self._keys.items()
         )
         numbers = self.to_dataframe().to_html(float_format="{:.5g}".format)
-        return f"<table>{keys}</table>{numbers}"
+        found = "".join(f"<li>{escape(line)}</li>" for line in self.finding_lines())
+        return f"<table>{keys}</table><ul>{found}</ul>{numbers}"
 
 
 def shown_change(name: str, first: float, second: float) -> str:

@@ -84,11 +84,11 @@ def document_lines(contents: Mapping[str, Any]) -> Iterator[TextLine]:
     """All text of the document, line by line."""
     yield TextLine(((0.0, contents["title"]),), 14.0, "bold")
     yield TextLine(())
-    status = contents["status"].name.lower().replace("_", " ")
-    yield TextLine(((0.0, f"{contents['machine']} {contents['mode']}, {status}"),), colour=GREY)
+    status = contents["status_line"].replace("_", " ")
+    yield from _paragraph(f"{contents['machine']} {contents['mode']}, {status}", GREY, gap=False)
     yield from _paragraph(contents["verdict"])
-    for warning in contents["warnings"]:
-        yield from _paragraph(warning, ORANGE)
+    for finding in contents["findings"]:
+        yield from _paragraph(str(finding), ORANGE)
     key = [(x.label, f"{x.value} {x.unit}") for x in contents["key_numbers"]]
     yield from _table("Key numbers", key)
     yield from _causes(contents["causes"])

@@ -6,6 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from toothspace.advice.findings import findings_of, status_line
+from toothspace.advice.limits import limits_of
+from toothspace.advice.verdict import verdict
+from toothspace.case.presets import INTERFACES, MODELS
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.files import path_of, require_ending, write_text
 from toothspace.core.types import Array
@@ -15,15 +19,12 @@ from toothspace.plotting.startup import speed_and_pressure
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.charts import turning_section
 from toothspace.report.document import write_document
-from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
 from toothspace.report.page import render
-from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import format_value, quantity, shown_unit
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
-from toothspace.simulation.presets import INTERFACES, MODELS, models_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -125,7 +126,7 @@ def report_html(
     description : MachineDescription, optional
         The machine that it belongs to.
     note : str, optional
-        A further warning.
+        Why there is no machine.
     measured : mapping, optional
         As for :func:`write_report`.
     """
@@ -138,19 +139,14 @@ def report_contents(
     solution: Solution, description: MachineDescription | None, note: str = ""
 ) -> dict[str, Any]:
     """Return the numbers and texts of a report by name, as page and document show them."""
-    limits = limits_of(solution, description)
-    exceeded = [
-        f"{x.label} is {x.value}, allowed {x.allowed} ({x.source})."
-        for x in limits
-        if x.verdict == "exceeded"
-    ]
-    warnings = [*warnings_of(solution, description), *exceeded, *([note] if note else [])]
+    findings = findings_of(solution, description, note)
     return {
         **_numbers(solution),
         **_machine(solution, description),
         **_background(solution),
-        "limits": limits,
-        "warnings": warnings,
+        "limits": limits_of(solution, description),
+        "findings": findings,
+        "status_line": status_line(solution.status, findings),
     }
 
 
@@ -240,9 +236,11 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
 def _background(solution: Solution) -> dict[str, Any]:
     provenance = solution.provenance
     rows = {k: v for k, v in provenance.items() if k not in _PROVENANCE_TEXTS}
-    models = models_of(provenance.get("interfaces", ""))
+    models = {name: rows.pop(f"{name}_model", "") for name in INTERFACES}
     return {
-        "models": [(INTERFACES[name], model, MODELS[model]) for name, model in models.items()],
+        "models": [
+            (INTERFACES[name], model, MODELS[model]) for name, model in models.items() if model
+        ],
         "provenance": [(k.replace("_", " "), v or "none") for k, v in rows.items()],
         "case_toml": provenance.get("case_toml", ""),
         "statistics": [

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from toothspace.advice.findings import findings_of
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
+from toothspace.core.finding import Finding
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
 
@@ -51,3 +53,9 @@ def machine_of(solution: Solution) -> tuple[MachineDescription | None, str]:
         return api.describe(case), ""
     except CaseError as error:
         return None, f"{NOT_REBUILT}{error}"
+
+
+def findings_of_result(solution: Solution) -> tuple[Finding, ...]:
+    """What is to be known of a result, with the machine rebuilt where it does not hold it."""
+    held = getattr(solution, "findings", None)
+    return findings_of(solution, *machine_of(solution)) if held is None else held

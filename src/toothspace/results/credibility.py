@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toothspace.core.finding import Finding
 from toothspace.core.status import Status
-from toothspace.model.description import DesignCheck
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -45,10 +45,8 @@ _COMPARED = (
 _PRESSURES = ("chamber_pressure_highest", "chamber_pressure", "inlet_pressure", "outlet_pressure")
 
 
-def with_warnings(
-    solution: Solution, highest_pressure: float, checks: Iterable[DesignCheck] = ()
-) -> Solution:
-    """Solution whose provenance says what is outside the range of the models.
+def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
+    """Solution whose warnings say what is outside the range of the models.
 
     Parameters
     ----------
@@ -56,16 +54,10 @@ def with_warnings(
         Result, complete or not.
     highest_pressure : float
         Pressure up to which the properties of the fluid are known. [Pa]
-    checks : iterable of DesignCheck
-        Design-rule report of the machine. What it says of files that were read is reported, and
-        all of it where pressures leave the range of the fluid or the run ended at a step.
     """
-    pressure = list(_pressure(solution, highest_pressure))
-    broken = bool(pressure) or solution.status is Status.STEP_TOO_SMALL
-    rules = [c.sentence for c in checks if not c.passed and (c.of_drawing or broken)]
-    told = (pressure, _numbers(solution), _bodies(solution), rules)
-    found = "\n".join(sentence for part in told for sentence in part)
-    return solution.with_note(found)
+    return solution.with_note(
+        *_pressure(solution, highest_pressure), *_numbers(solution), *_bodies(solution)
+    )
 
 
 def with_interval(solution: Solution, drawn: Solution) -> Solution:
@@ -95,111 +87,174 @@ def with_interval(solution: Solution, drawn: Solution) -> Solution:
     )
     text = f"Flanks as in the file, not the involute that fits them, give {told}."
     numbers = {f"as_drawn_{name}": value for name, value in other.items() if name in fitted}
-    return solution.with_note(text, **numbers)
+    return solution.with_note(Finding("warning", text, severity="note"), **numbers)
 
 
-def _pressure(solution: Solution, highest: float) -> Iterator[str]:
+def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
     data = solution.data
     present = [name for name in _PRESSURES if name in data]
     largest = max((float(data[name].max()) for name in present), default=0.0)
     if largest > highest:
-        yield (
-            f"Pressures reach {largest / _BAR:.4g} bar; the properties of the fluid are known to "
-            f"{highest / _BAR:.4g} bar only. Look where fluid is enclosed: relief grooves, "
-            "backlash and the timing of the ports."
+        reached, known = f"{largest / _BAR:.4g} bar", f"{highest / _BAR:.4g} bar"
+        yield Finding(
+            "warning",
+            f"Pressures reach {reached}; the properties of the fluid are known to {known} only.",
+            quantity="Highest pressure, range of the fluid",
+            found=reached,
+            allowed=f"up to {known}",
+            severity="serious",
+            advice="Look where fluid is enclosed: relief grooves, backlash and the timing of the "
+            "ports.",
         )
 
 
-def _numbers(solution: Solution) -> Iterator[str]:
+def _numbers(solution: Solution) -> Iterator[Finding]:
     numbers = {k: v for k, v in solution.summary().items() if isinstance(v, int | float)}
-    volumetric = numbers.get("volumetric_efficiency", math.nan)
-    if volumetric > VOLUMETRIC_LIMIT:
-        yield f"Volumetric efficiency is {volumetric:.4f}, above 1: {_surplus(numbers)}"
-    overall = numbers.get("overall_efficiency", math.nan)
-    if volumetric < 0.0:
-        yield (
-            "More leaks back than is displaced, so that the mean flow runs backwards: the machine "
-            "cannot hold this pressure at this speed. Look at the clearances."
-        )
-    elif volumetric < LEAKAGE_LIMIT:
-        yield (
-            f"Volumetric efficiency is {volumetric:.3f}, below {LEAKAGE_LIMIT:g}. Look at the "
-            "clearances, the speed, and whether the chambers fill."
-        )
-    if overall < 0.0 and not volumetric < 0.0:
-        yield (
-            "The shaft is driven from outside although this is a motor: friction takes more than "
-            "the pressure gives. Raise the pressure difference or look at the clearances."
-        )
-    if overall > OVERALL_LIMIT:
-        yield (
-            f"Overall efficiency is {overall:.4f}, above 1, which no machine has. "
-            "Tighten run.relative_tolerance."
-        )
+    yield from _efficiencies(numbers)
     whole = solution.status in (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING)
     for name, limit in BALANCE_LIMITS.items():
         value = numbers.get(name, math.nan)
         if value > limit and whole:
-            yield (
-                f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
-                "tighten run.relative_tolerance."
+            label = name.replace("_", " ").capitalize()
+            yield Finding(
+                "warning",
+                f"{label} is {value:.1e}, above {limit:.0e}.",
+                quantity=label,
+                found=f"{value:.1e}",
+                allowed=f"up to {limit:.0e}",
+                severity="serious",
+                advice="Tighten run.relative_tolerance.",
             )
 
 
-def _bodies(solution: Solution) -> Iterator[str]:
+def _efficiencies(numbers: Mapping[str, float]) -> Iterator[Finding]:
+    """Efficiencies above 1, below zero, or low."""
+    volumetric = numbers.get("volumetric_efficiency", math.nan)
+    overall = numbers.get("overall_efficiency", math.nan)
+    name = "Volumetric efficiency"
+    if volumetric > VOLUMETRIC_LIMIT:
+        reason, advice = _surplus(numbers)
+        yield Finding(
+            "warning",
+            f"{name} is {volumetric:.4f}, above 1: {reason}",
+            quantity=name,
+            found=f"{volumetric:.4f}",
+            allowed="up to 1",
+            advice=advice,
+        )
+    if volumetric < 0.0:
+        yield Finding(
+            "warning",
+            "More leaks back than is displaced, so that the mean flow runs backwards: the machine "
+            "cannot hold this pressure at this speed.",
+            quantity=name,
+            found=f"{volumetric:.3f}",
+            allowed="0 to 1",
+            severity="serious",
+            advice="Look at the clearances.",
+        )
+    elif volumetric < LEAKAGE_LIMIT:
+        yield Finding(
+            "warning",
+            f"{name} is {volumetric:.3f}, below {LEAKAGE_LIMIT:g}.",
+            quantity=name,
+            found=f"{volumetric:.3f}",
+            allowed=f"from {LEAKAGE_LIMIT:g}",
+            advice="Look at the clearances, the speed, and whether the chambers fill.",
+        )
+    name = "Overall efficiency"
+    if overall < 0.0 and not volumetric < 0.0:
+        yield Finding(
+            "warning",
+            "The shaft is driven from outside although this is a motor: friction takes more than "
+            "the pressure gives.",
+            quantity=name,
+            found=f"{overall:.3f}",
+            allowed="0 to 1",
+            severity="serious",
+            advice="Raise the pressure difference or look at the clearances.",
+        )
+    if overall > OVERALL_LIMIT:
+        yield Finding(
+            "warning",
+            f"{name} is {overall:.4f}, above 1, which no machine has.",
+            quantity=name,
+            found=f"{overall:.4f}",
+            allowed="0 to 1",
+            severity="serious",
+            advice="Tighten run.relative_tolerance.",
+        )
+
+
+def _bodies(solution: Solution) -> Iterator[Finding]:
     """Teeth that would part, contacts that hit, bearing blocks on the side away from the load."""
     data = solution.data
     if "contact_force" in data:
-        rigid = "contact: rigid" in solution.provenance.get("interfaces", "")
+        rigid = solution.provenance.get("contact_model") == "rigid"
         yield from _pull(data["contact_force"]) if rigid else _impacts(data)
     if "seat_position" in data and "journal_force" in data:
         rest = [d for d in data["journal_force"].dims if d not in ("body", "axis")]
         # each block holds the bearings of all bodies
         carried = -(data["journal_force"].mean(rest) * data["seat_position"]).sum()
         if carried < 0.0:
-            yield (
-                "The bearing blocks lean against the side away "
-                "from their mean load: they are seated once, for pressures at rest. Set "
-                "machine.mode to the way the machine runs, or let them follow their load, "
-                'machine.bearing_blocks.motion = "free".'
+            yield Finding(
+                "warning",
+                "The bearing blocks lean against the side away from their mean load: they are "
+                "seated once, for pressures at rest.",
+                quantity="Place of the bearing blocks",
+                severity="serious",
+                advice="Set machine.mode to the way the machine runs, or let them follow their "
+                'load, machine.bearing_blocks.motion = "free".',
             )
 
 
-def _pull(contact_force: DataArray) -> Iterator[str]:
+def _pull(contact_force: DataArray) -> Iterator[Finding]:
     """A rigid mesh between flanks that would part."""
     force = contact_force.sum("contact")
     push, pull = max(float(force.max()), 0.0), -float(force.min())
     if pull > PULL_LIMIT * push:
-        yield (
+        yield Finding(
+            "warning",
             f"The rigid mesh pulls with up to {pull:.3g} N where teeth would part or touch with "
-            f'the other flanks (it pushes with up to {push:.3g} N). Set run.mesh = "elastic".'
+            f"the other flanks (it pushes with up to {push:.3g} N).",
+            quantity="Pull of the rigid mesh",
+            found=f"{pull:.3g} N",
+            allowed=f"up to {PULL_LIMIT * push:.3g} N",
+            severity="serious",
+            advice='Set run.mesh = "elastic".',
         )
 
 
-def _impacts(data: Dataset) -> Iterator[str]:
+def _impacts(data: Dataset) -> Iterator[Finding]:
     """Contacts of a steady run that are made with a blow, which samples may miss."""
     force = data["contact_force"]
     if force.sizes.get("shaft_angle", 0) < 2:
         return
     largest, change = float(force.max()), float(np.abs(force.diff("shaft_angle")).max())
     if change > IMPACT_LIMIT * largest:
-        yield (
+        yield Finding(
+            "warning",
             f"Contacts are made with a blow: forces change by {change:.3g} N, of {largest:.3g} N, "
-            "from one sample to the next. Extremes of torque and contact force depend on "
-            "run.samples_per_revolution; the low orders of the torque do not."
+            "from one sample to the next.",
+            quantity="Change of the contact force from one sample to the next",
+            found=f"{change:.3g} N",
+            allowed=f"up to {IMPACT_LIMIT * largest:.3g} N",
+            advice="Extremes of torque and contact force depend on run.samples_per_revolution; "
+            "the low orders of the torque do not.",
         )
 
 
-def _surplus(numbers: Mapping[str, float]) -> str:
-    """Why more is delivered than displaced: what walls drag, or else what chambers give back."""
+def _surplus(numbers: Mapping[str, float]) -> tuple[str, str]:
+    """Why more is delivered than displaced, what walls drag or chambers give back; what to do."""
     leakage = sum(v for k, v in numbers.items() if re.fullmatch("leakage_.*_L_per_min", k))
     if leakage < min(numbers.get("mesh_exchange_flow_L_per_min", 0.0), 0.0):
         return (
             f"moving walls drag {-leakage:.3g} L/min more through the gaps than the pressure "
-            "drives back, which the displacement does not count. So it is with thick oil at low "
-            "pressure; look at the clearances and the temperature."
+            "drives back, which the displacement does not count, as with thick oil at low "
+            "pressure.",
+            "Look at the clearances and the temperature.",
         )
     return (
-        "fluid enclosed in the chambers expands in them or is drawn past the ports. Look at the "
-        "timing of the ports."
+        "fluid enclosed in the chambers expands in them or is drawn past the ports.",
+        "Look at the timing of the ports.",
     )

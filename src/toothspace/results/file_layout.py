@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from toothspace.core.finding import Finding
 from toothspace.core.netcdf import write_dataset
 from toothspace.results.events import Event
 from toothspace.results.ledger import ENERGY_ENTRIES, TRAPPED, Ledger
@@ -19,6 +21,8 @@ STATISTICS = "statistics_"
 """Beginning of the attributes that hold statistics."""
 PROVENANCE = "provenance"
 """Attribute that lists the names of those that make the provenance."""
+FINDINGS = "findings"
+"""Attribute that lists the warnings of the run with all their parts, as JSON."""
 _EVENT_FIELDS = ("event_shaft_angle", "event_time", "event_kind", "event_label")
 _LEDGER_FIELDS = (
     "ledger_mass",
@@ -93,6 +97,14 @@ def read_ledger(dataset: xr.Dataset) -> Ledger:
             k: v for k, v in labels.items() if k not in ENERGY_ENTRIES and not k.startswith(TRAPPED)
         },
     )
+
+
+def read_warnings(attributes: Mapping[str, str]) -> tuple[Finding, ...]:
+    """Warnings of a file, of an older one as lines of text."""
+    if FINDINGS in attributes:
+        return tuple(Finding(**entry) for entry in json.loads(attributes[FINDINGS]))
+    lines = attributes.get("warnings", "").splitlines()
+    return tuple(Finding("warning", line) for line in lines)
 
 
 def read_events(dataset: xr.Dataset) -> tuple[Event, ...]:

@@ -13,6 +13,7 @@ from toothspace.results.file_layout import (
     STATISTICS,
     read_events,
     read_ledger,
+    read_warnings,
 )
 from toothspace.results.solution import Solution
 
@@ -49,6 +50,7 @@ def load_solution(path: str | Path) -> Solution:
             statistics={k.removeprefix(STATISTICS): float(v) for k, v in statistics.items()},
             provenance=provenance,
             events=read_events(dataset),
+            warnings=read_warnings(attributes),
         )
     except (KeyError, ValueError, TypeError, IndexError) as error:
         found = f"a result without a usable {error}"

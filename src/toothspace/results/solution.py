@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 from toothspace.results import performance
 from toothspace.results.events import Event
@@ -40,9 +42,12 @@ class Solution:
         compiled code [s], ...
     provenance : mapping of str to str
         ``package_version``, ``case_toml``, ``case_hash``, ``preset``, ``overrides`` (one
-        ``key=value`` per line), ``python_version``, ``numba_version``, ``warnings``, ...
+        ``key=value`` per line), ``python_version``, ``numba_version``, ``warnings`` (one per
+        line, for readers of the file), ...
     events : tuple of Event
         What happened, in the order of time.
+    warnings : tuple of Finding
+        What the run itself has to tell, without limits and design rules of the machine.
     """
 
     status: Status
@@ -51,12 +56,16 @@ class Solution:
     statistics: Mapping[str, float] = field(default_factory=dict)
     provenance: Mapping[str, str] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
+    warnings: tuple[Finding, ...] = ()
 
     def __repr__(self) -> str:
+        return self._shown(self.status.name.lower())
+
+    def _shown(self, status: str) -> str:
         axis = "time" if "time" in self.data.sizes else "shaft_angle"
         samples = f"{self.data.sizes.get(axis, 0)} samples over {axis}"
         title = self.provenance.get("title", "")
-        return f"<Solution {title!r}: {self.status.name.lower()}, {samples}>"
+        return f"<Solution {title!r}: {status}; {samples}>"
 
     def __getstate__(self) -> dict[str, object]:
         """State for another process, which cannot read what this one keeps on disk."""
@@ -94,12 +103,19 @@ class Solution:
         times = (event.time for event in self.events if event.kind == "shaft_released")
         return next(times, math.nan)
 
-    def with_note(self, warning: str = "", **statistics: float) -> Solution:
-        """Solution with more statistics, and with a warning if it is not empty."""
+    def with_note(self, *warnings: Finding | str, **statistics: float) -> Solution:
+        """Solution with more statistics and more warnings; texts that are empty are none."""
+        told = tuple(Finding("warning", x) if isinstance(x, str) else x for x in warnings if x)
+        found = tuple(dict.fromkeys((*self.warnings, *told)))
         provenance = dict(self.provenance)
-        if warning:
-            provenance["warnings"] = "\n".join(filter(None, [provenance.get("warnings"), warning]))
-        return replace(self, provenance=provenance, statistics={**self.statistics, **statistics})
+        if found:
+            provenance["warnings"] = "\n".join(finding.sentence for finding in found)
+        return replace(
+            self,
+            provenance=provenance,
+            statistics={**self.statistics, **statistics},
+            warnings=found,
+        )
 
     def save(self, path: str | Path) -> Path:
         """Write one NetCDF file; an interrupted write leaves no half file behind.
@@ -114,9 +130,10 @@ class Solution:
         Path
             The file written.
         """
-        from toothspace.results.file_layout import write_result
+        from toothspace.results.file_layout import FINDINGS, write_result
 
-        attributes = {"status": self.status.name}
+        told = json.dumps([finding.to_dict() for finding in self.warnings])
+        attributes = {"status": self.status.name, FINDINGS: told}
         return write_result(
             path, self.data, self.ledger, self.events, attributes, self.statistics, self.provenance
         )

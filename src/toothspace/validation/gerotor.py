@@ -336,8 +336,8 @@ CLAIMS = (
         _closed_forms,
         0.5,
         reason=(
-            "The closed form of the film round the rotor leaves it at an eccentricity ratio of 0.63 "
-            "where films hold it at 0.45: friction of 0.065 N m against 0.045 N m."
+            "The closed form of the film round the rotor leaves it at an eccentricity ratio of "
+            "0.63 where films hold it at 0.45: friction of 0.065 N m against 0.045 N m."
         ),
     ),
 )

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, final
+from typing import ClassVar, cast, final
 
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
@@ -43,7 +43,7 @@ from toothspace.machines.shared_tables import (
     PortParameters,
     SideGapParameters,
 )
-from toothspace.model.description import StartupFriction
+from toothspace.model.description import BreakawayLaw, StartupFriction
 
 _PORTS_AND_GROOVES = 330.0
 """Largest sum of both angles along a bore. [deg]"""
@@ -365,21 +365,36 @@ class StartupParameters(KeyTable):
     """``[machine.startup]``: friction at rest."""
 
     breakaway: str = choice(
-        "Whether the breakaway torque is the whole resistance at rest or is added to the films.",
+        "Whether the breakaway torque is the whole resistance at rest, is added to the films, or "
+        "follows from the boundary friction of journals, faces, mesh and seal at their loads.",
         "total",
         "additive",
+        "interfaces",
         default="total",
     )
-    breakaway_torque: float = quantity("N m", "Torque that starts the shaft.", low=0, high=1000)
+    breakaway_torque: float | None = quantity(
+        "N m",
+        "Torque that starts the shaft; left out where it follows from the interfaces.",
+        low=0,
+        high=1000,
+        default=None,
+    )
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
+
+    def __post_init__(self) -> None:
+        if self.breakaway == "interfaces":
+            forbid(self, 'with breakaway = "interfaces"', "breakaway_torque")
+        else:
+            require(self, 'unless breakaway = "interfaces"', "breakaway_torque")
 
     @property
     def friction(self) -> StartupFriction | None:
         """Friction that holds the shaft at rest, None without a breakaway torque."""
         if self.breakaway_torque == 0.0:
             return None
-        additive = self.breakaway == "additive"
-        return StartupFriction(self.breakaway_torque, self.breakaway_speed, additive)
+        return StartupFriction(
+            cast(BreakawayLaw, self.breakaway), self.breakaway_torque or 0.0, self.breakaway_speed
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

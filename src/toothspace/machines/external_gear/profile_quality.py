@@ -153,7 +153,6 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
                 angle == 0.0,
                 "Teeth are taken as spur with this transverse section: overlap, thrust and the "
                 "spread of trapping along the face width are missing.",
-                of_drawing=True,
             ),
         ]  # fmt: skip
     flanks = [(p.involute, p.tooth_count) for p in assembly.profiles]
@@ -165,7 +164,6 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
                 "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
                 ratio <= _UNEQUAL_PITCH,
                 "Gears of unequal base pitch hand the load over with a shock.",
-                of_drawing=True,
             )
         )  # fmt: skip
     return tuple(checks)
@@ -187,7 +185,6 @@ def _chords(detected: DetectedGear) -> DesignCheck:
         f"up to {_LARGEST_CHORD * 1e6:g} um: export STEP, or a mesh with a chord tolerance of 1 um",
         height <= _LARGEST_CHORD,
         "Flanks are fitted through the corners of a mesh; root, tip and volumes keep its chords.",
-        of_drawing=True,
     )  # fmt: skip
 
 
@@ -198,7 +195,6 @@ def _form(detected: DetectedGear) -> DesignCheck:
             "involute in the profile", 0.0, "1", "1: flanks that are involutes within 1 % of the "
             "tooth height", False,
             "Without one, contact ratio and trapped volume hang on a contact tolerance of 1 um.",
-            of_drawing=True,
         )  # fmt: skip
     allowed = _LARGEST_FORM_ERROR * data.module
     return DesignCheck(
@@ -206,5 +202,4 @@ def _form(detected: DetectedGear) -> DesignCheck:
         fit.form_error <= allowed,
         "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
         "computes with the flanks of the file, with mesh = \"elastic\" under load.",
-        of_drawing=True,
     )  # fmt: skip

@@ -1,0 +1,377 @@
+"""Tolerance, optimisation and calibration with a stand-in for the simulation."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tests.study_cases import REPOSITORY, Answer, answer, case_with_study
+from toothspace import api
+from toothspace.case import Case
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.report.study import study_report_html
+from toothspace.studies import run_study
+from toothspace.studies.keys import Limit
+from toothspace.studies.least_squares import fit
+from toothspace.studies.measured import read_measured
+from toothspace.studies.records import FILE_NAME
+from toothspace.studies.tolerance import index_samples, rank_correlations, sobol_indices
+from toothspace.studies.variation import unit_samples
+
+CLEARANCE = "machine.casing.radial_clearance"
+SPEED = "operating_point.shaft_speed"
+TOLERANCE = f"""
+kind = "tolerance"
+sample_count = 64
+limits = {{volumetric_efficiency = {{low = 0.96}}}}
+[study.vary]
+"{CLEARANCE}" = {{mean = "20 um", deviation = "2 um"}}
+"fluid.temperature" = {{from = "30 degC", to = "70 degC"}}
+"""
+
+
+def test_indices_of_the_ishigami_function() -> None:
+    # T. Ishigami, T. Homma, ISUMA 1990; with a = 7, b = 0.1 the indices are known
+    samples = 2.0 * np.pi * index_samples(unit_samples(6, "sobol", 4096, 1)) - np.pi
+    x, y, z = samples.T
+    alone, total = sobol_indices(np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x), 3)
+    np.testing.assert_allclose(alone, [0.3139, 0.4424, 0.0], atol=0.01)
+    np.testing.assert_allclose(total, [0.5576, 0.4424, 0.2437], atol=0.01)
+
+
+def test_rank_correlations_see_direction_and_ignore_failed_points() -> None:
+    inputs = unit_samples(3, "latin_hypercube", 50, 0)
+    output = np.exp(5.0 * inputs[:, 0])
+    output[3] = np.nan
+    found = rank_correlations(inputs, output)
+    assert found[0] == pytest.approx(1.0)
+    assert abs(found[1]) < 0.3
+    assert rank_correlations(inputs, -output)[0] == pytest.approx(-1.0)
+    assert np.isnan(rank_correlations(inputs, np.ones(50))).all()
+
+
+def test_tolerance_gives_scatter_sensitivity_and_share(calls: list[Case], tmp_path: Path) -> None:
+    result = run_study(case_with_study(TOLERANCE), tmp_path)
+    assert result.status is Status.DONE
+    assert len(calls) == 64
+    numbers = result.numbers
+    # efficiency 1 - 1e-4 c^2 is monotone: its percentiles are those of the clearance
+    for kind, normal in (
+        ("percentile_5", 1.645),
+        ("percentile_50", 0.0),
+        ("percentile_95", -1.645),
+    ):
+        expected = 1.0 - 1e-4 * (20.0 + 2.0 * normal) ** 2
+        assert numbers[kind]["volumetric_efficiency"] == pytest.approx(expected, abs=6e-4)
+    effect = numbers["rank_correlation"]["volumetric_efficiency"]
+    assert effect[CLEARANCE] == pytest.approx(-1.0)
+    assert abs(effect["fluid.temperature"]) < 0.3
+    assert numbers["share_within_limits"] == pytest.approx(0.5, abs=0.02)
+    assert numbers["deviation"]["outlet_temperature_degC"] == pytest.approx(40 / 12**0.5, rel=0.03)
+    assert {"scatter.csv", "rank_correlation.csv", "points.csv"} < {
+        p.name for p in tmp_path.iterdir()
+    }
+    assert study_report_html(result).count("<figure") == 2
+
+
+def test_tolerance_with_indices(calls: list[Case]) -> None:
+    study = TOLERANCE.replace("= 64", '= 64\nsensitivity = "sobol_indices"\nmethod = "sobol"')
+    result = run_study(case_with_study(study))
+    # points whose exchanged column changes nothing are still cases of their own
+    assert len(result.data["point"]) == 64 * 4
+    assert result.numbers["total_index"]["volumetric_efficiency"][CLEARANCE] == pytest.approx(
+        1.0, abs=0.1
+    )
+    assert result.numbers["total_index"]["volumetric_efficiency"]["fluid.temperature"] == 0.0
+    assert len(calls) == 64 * 4
+
+
+@pytest.mark.parametrize(
+    ("limit", "value", "expected"),
+    [
+        (Limit(low=0.9), 0.95, 0.0),
+        (Limit(low=0.9), 0.81, 0.1),
+        (Limit(high=300.0), 330.0, 0.1),
+        (Limit(low=0.0, high=0.0), 2.0, 2.0),
+        (Limit(high=1.0), math.nan, 1.0),
+    ],
+)
+def test_violation_of_a_limit(limit: Limit, value: float, expected: float) -> None:
+    assert limit.violation(value) == pytest.approx(expected)
+
+
+def optimise(text: str) -> str:
+    return f"""
+kind = "optimise"
+{text}
+[study.vary]
+"{CLEARANCE}" = {{from = "5 um", to = "40 um"}}
+"{SPEED}" = {{from = "500 rpm", to = "3000 rpm"}}
+"""
+
+
+def test_evolution_finds_the_constrained_best(calls: list[Case], tmp_path: Path) -> None:
+    # largest flow at an efficiency of at least 0.96: full speed, clearance 20 um
+    text = 'objective = "mean_flow_L_per_min"\nevaluation_count = 600\n'
+    text += "constraints = {volumetric_efficiency = {low = 0.96}}"
+    result = run_study(case_with_study(optimise(text)), tmp_path)
+    assert result.status is Status.DONE
+    best = result.numbers["best"]
+    assert float(best[CLEARANCE].removesuffix(" um")) == pytest.approx(20.0, abs=0.5)
+    assert float(best[SPEED].removesuffix(" rpm")) == pytest.approx(3000.0, rel=2e-3)
+    assert result.numbers["best_point"]["volumetric_efficiency"] >= 0.96
+    assert result.numbers["at_bounds"] == [SPEED]
+    assert len(calls) <= 600
+    assert study_report_html(result).count("<figure") == 1
+
+
+def test_a_search_replays_its_finished_points(calls: list[Case], tmp_path: Path) -> None:
+    text = 'objective = "volumetric_efficiency"\nevaluation_count = 40'
+    first = run_study(case_with_study(optimise(text)), tmp_path)
+    count = len(calls)
+    again = run_study(case_with_study(optimise(text)), tmp_path, resume=True)
+    assert len(calls) == count
+    assert again.numbers["best"] == first.numbers["best"]
+
+
+def test_an_interrupted_search_keeps_its_best(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    calls = []
+
+    def simulate(case: Case) -> Answer:
+        calls.append(case)
+        if len(calls) == 25:
+            raise KeyboardInterrupt
+        return Answer(answer(case))
+
+    monkeypatch.setattr(api, "simulate", simulate)
+    text = 'objective = "volumetric_efficiency"\nevaluation_count = 60'
+    result = run_study(case_with_study(optimise(text)), tmp_path)
+    assert result.status is Status.INTERRUPTED
+    assert result.numbers["feasible"]
+    assert len((tmp_path / FILE_NAME).read_text().splitlines()) == 24
+
+
+def test_targets_are_reached_by_least_squares(calls: list[Case]) -> None:
+    text = 'method = "least_squares"\nevaluation_count = 60\n'
+    text += "targets = {volumetric_efficiency = 0.9775, mean_flow_L_per_min = 10.0}"
+    result = run_study(case_with_study(optimise(text)))
+    assert result.status is Status.DONE
+    best = result.numbers["best"]
+    assert float(best[CLEARANCE].removesuffix(" um")) == pytest.approx(15.0, abs=0.05)
+    expected = (10.0 - 0.15) / 0.05 * 60.0 / (2.0 * math.pi)
+    assert float(best[SPEED].removesuffix(" rpm")) == pytest.approx(expected, rel=1e-3)
+    assert len(calls) < 30
+
+
+def test_impossible_constraints_and_names_are_told(calls: list[Case]) -> None:
+    text = 'objective = "mean_flow_L_per_min"\nevaluation_count = 20\n'
+    never = text + "constraints = {volumetric_efficiency = {low = 2.0}}"
+    result = run_study(case_with_study(optimise(never)))
+    assert result.status is Status.NOT_CONVERGED
+    assert result.numbers["feasible"] is False
+    tried = len(calls)
+    nearest = (
+        r"study\.objective: found 'mean_flow', which is no result, allowed mean_flow_L_per_min"
+    )
+    with pytest.raises(CaseError, match=nearest):
+        run_study(case_with_study(optimise('objective = "mean_flow"')))
+    wrong = text + "constraints = {volumetric_eficiency = {low = 0.9}}"
+    with pytest.raises(CaseError, match=r"constraints\.vol.*allowed volumetric_efficiency \(did"):
+        run_study(case_with_study(optimise(wrong)))
+    with pytest.raises(CaseError, match=r"limits\.noise: found 'noise', which is no result"):
+        run_study(case_with_study(TOLERANCE.replace("volumetric_efficiency", "noise")))
+    assert len(calls) == tried
+    # those of a path or a mechanism are known when the first points are there
+    with pytest.raises(CaseError, match="found 'leakage_nowhere_L_per_min', which is no result"):
+        run_study(case_with_study(optimise(text.replace("mean_flow", "leakage_nowhere"))))
+
+
+def test_covariance_of_a_straight_line() -> None:
+    """A line through noisy points: intervals by the textbook formula for linear regression."""
+    x = np.linspace(0.0, 1.0, 21)
+    noise = 0.02 * np.sin(50.0 * x)
+    wanted = 0.3 + 0.5 * x + noise
+    found = fit(lambda p: p[:, :1] + p[:, 1:] * x - wanted, np.array([0.5, 0.1]), 100)
+    slope, level = np.polyfit(x, wanted, 1)
+    np.testing.assert_allclose(found.shares, [level, slope], atol=1e-5)
+    residual = wanted - level - slope * x
+    error = np.sqrt(np.sum(residual**2) / 19.0 / np.sum((x - x.mean()) ** 2))
+    assert found.half_widths()[1] == pytest.approx(2.093 * error, rel=1e-3)
+    assert found.converged
+
+
+def test_a_fit_keeps_to_its_budget_and_survives_failures() -> None:
+    asked = []
+
+    def rosenbrock(p: Any) -> Any:
+        asked.extend(p)
+        return np.stack([10.0 * (p[:, 1] - p[:, 0] ** 2), 1.0 - p[:, 0], p[:, 1] - 1.0], axis=1)
+
+    found = fit(rosenbrock, np.array([0.1, 0.9]), 7)
+    assert not found.converged
+    assert len(asked) <= 7
+    failed = fit(lambda p: np.full((len(p), 3), np.nan), np.array([0.5, 0.5]), 50)
+    assert not failed.converged
+    assert np.isinf(failed.half_widths()).all()
+
+
+def calibration(folder: Path, header: str, rows: list[str], name: str = "egm12_motor") -> Case:
+    (folder / "measured.csv").write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    text = (REPOSITORY / "cases" / f"{name}.toml").read_text(encoding="utf-8")
+    study = f"""
+[study]
+kind = "calibrate"
+data = "measured.csv"
+fit = {{"{CLEARANCE}" = ["5 um", "40 um"]}}
+"""
+    return Case.from_toml(text + study, folder, name)
+
+
+def test_calibration_to_steady_points(calls: list[Case], tmp_path: Path) -> None:
+    header = f"{SPEED} [rpm], volumetric_efficiency [1], mean_flow_L_per_min [m^3/s]"
+    rows = []
+    for k in range(10):
+        speed = 500.0 + 250.0 * k
+        flow = speed * 2.0 * math.pi / 60.0 * 0.05 + 0.13
+        rows.append(f"{speed}, {1.0 - 1e-4 * 13.0**2 + 1e-5 * (-1) ** k}, {flow / 6e4}")
+    result = run_study(calibration(tmp_path, header, rows), tmp_path / "out")
+    assert result.status is Status.DONE
+    value = float(result.numbers["fitted"][CLEARANCE].removesuffix(" um"))
+    assert value == pytest.approx(13.0, abs=0.05)
+    assert abs(value - 13.0) < result.numbers["half_width_95"][CLEARANCE] < 0.1
+    assert result.numbers["rows_used"] == 7
+    assert result.numbers["hold_out_error"]["volumetric_efficiency"] == pytest.approx(
+        1e-5, rel=0.05
+    )
+    assert result.numbers["at_bounds"] == []
+    count = len(calls)
+    run_study(calibration(tmp_path, header, rows), tmp_path / "out", resume=True)
+    assert len(calls) == count
+    assert study_report_html(result).count("<figure") == 1
+
+
+def test_calibration_to_signals_over_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    class Signal:
+        status = Status.DONE
+
+        def __init__(self, case: Case) -> None:
+            clearance = case.machine.casing.radial_clearance * 1e6
+            time = np.linspace(0.0, 2.0, 201)
+            speed = 100.0 * (1.0 - np.exp(-time / (0.02 * clearance)))
+            self.data = xr.Dataset(
+                {"shaft_speed": ("time", speed), "inlet_pressure": ("time", 1e5 * clearance + time),
+                 "outlet_pressure": ("time", time)},
+                coords={"time": time},
+            )  # fmt: skip
+
+    monkeypatch.setattr(api, "simulate", Signal)
+    times = np.linspace(0.1, 1.9, 10)
+    rows = [f"{t}, {1000 / 1.0471975511965976 * (1 - np.exp(-t / 0.4))}, 20" for t in times]
+    case = calibration(tmp_path, "time [s], shaft_speed [rpm], pressure_difference [bar]", rows)
+    result = run_study(case)
+    assert float(result.numbers["fitted"][CLEARANCE].removesuffix(" um")) == pytest.approx(
+        20.0, abs=0.05
+    )
+    # the last part of the signals is held out
+    assert result.data["used"].values.tolist() == [True] * 7 + [False] * 3
+    assert study_report_html(result).count("<figure") == 1
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "message"),
+    [
+        ("time [s], speed [rpm]", "0, 1", "found 'speed', allowed .*shaft_speed"),
+        ("time [s], shaft_speed [bar]", "0, 1", r"found the unit 'bar', allowed 'rad/s'"),
+        ("mean_flow_L_per_min [bar]", "1", "found the unit 'bar', allowed 'L/min'"),
+        (f"{SPEED} [rpm]", "1", "allowed columns of summary numbers"),
+        ("volumetric_efficiency", "x", "volumetric_efficiency: found 'x', allowed a number"),
+        ("volumetric_efficiency", "", "found no rows"),
+        ("volumetric efficiency !", "1", "allowed 'name .unit.'"),
+    ],
+)
+def test_bad_measurements_are_refused(header: str, row: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "measured.csv"
+    path.write_text(f"{header}\n{row}\n", encoding="utf-8")
+    with pytest.raises(CaseError, match=message):
+        read_measured(path)
+
+
+@pytest.mark.parametrize(
+    ("study", "message"),
+    [
+        ('kind = "optimise"\nvary = {"a.b" = [1]}', "study.objective: found nothing"),
+        ('kind = "optimise"\nvary = {"a.b" = [1]}\ntargets = {x = 1}\nobjective = "x"', "leave"),
+        ('kind = "tolerance"\nvary = {"a.b" = {mean = 1}}', r"study.vary.a.b: found \{'mean': 1\}"),
+        ('kind = "tolerance"\nvary = {"a.b" = [1]}\nlimits = {x = {}}', "limits.x: found no limit"),
+        ('kind = "calibrate"\ndata = "profiles/egm12_drive.csv"\nfit = {}', "study"),
+    ],
+)
+def test_bad_studies_are_refused(study: str, message: str) -> None:
+    with pytest.raises(CaseError, match=message):
+        case_with_study(study)
+
+
+def test_design_scan_finds_the_best_of_many_gears(tmp_path: Path) -> None:
+    text = """
+kind = "design_scan"
+objective = "flow_ripple_percent"
+goal = "minimise"
+sample_count = 2000
+best_count = 3
+addendum = 1.1
+displacement = "4.95 cm^3/rev"
+constraints = {envelope_cm3 = {high = 26.0}, contact_ratio = {low = 1.1}}
+[study.vary]
+"machine.gears.tooth_count" = {from = 9, to = 18}
+"machine.gears.module" = {from = "1.8 mm", to = "3.4 mm"}
+"machine.gears.profile_shift" = {from = 0.0, to = 0.7}
+"""
+    result = run_study(case_with_study(text, "egm12_pump"), tmp_path)
+    assert result.status is Status.DONE
+    kept = result.data["feasible"].values
+    ripple = result.data["flow_ripple_percent"].values
+    assert result.numbers["best_merit"] == np.min(ripple[kept])
+    assert np.all(result.data["envelope_cm3"].values[kept] <= 26.0)
+    assert np.all(result.data["reasons"].values[kept] == 0)
+    head, *rows = (tmp_path / "best.csv").read_text().splitlines()
+    assert head.startswith("machine.gears.tooth_count,machine.gears.module (mm)")
+    assert len(rows) == 3
+    # the best design is a case that can be run, and has these numbers
+    best = result.numbers["best_point"]
+    values = dict(result.numbers["best"])
+    values["machine.gears.tip_diameter"] = f"{best['tip_diameter_mm']:.12g} mm"
+    values["machine.gears.face_width"] = f"{best['face_width_mm']:.12g} mm"
+    summary = api.describe(case_with_study(text, "egm12_pump").at_point(values)).geometry_summary
+    assert summary["displacement_cm3_per_rev"] == pytest.approx(4.95)
+    assert summary["flow_ripple_percent"] == pytest.approx(best["flow_ripple_percent"])
+    assert "Flow ripple" in study_report_html(result)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ('objective = "noise"', "'noise', which is no result, allowed displacement_cm3_per_rev"),
+        ("addendum = 2.0", "found no possible design"),
+    ],
+)
+def test_design_scan_names_what_is_wrong(change: str, message: str) -> None:
+    text = """
+kind = "design_scan"
+objective = "contact_ratio"
+sample_count = 64
+[study.vary]
+"machine.gears.profile_shift" = {from = 0.0, to = 0.7}
+"""
+    key = change.partition(" ")[0]
+    lines = [line for line in text.splitlines() if not line.startswith(key)]
+    lines.insert(1, change)
+    with pytest.raises(CaseError, match=message):
+        run_study(case_with_study("\n".join(lines), "egm12_pump"))
