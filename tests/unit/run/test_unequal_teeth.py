@@ -10,7 +10,7 @@ import pytest
 from toothspace import api
 from toothspace.core.status import Status
 from toothspace.results.io import load_solution
-from toothspace.simulation.running_in import WornMachine
+from toothspace.run.running_in import Tracks
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"
 ONE_MORE = ["machine.driven_gear.tooth_count=13"]
@@ -45,7 +45,7 @@ def test_tracks_of_unequal_gears_lie_over_one_casing_angle() -> None:
         return 4e-6 * np.maximum(0.0, np.cos(angle - 4.0)) ** 4
 
     depths = {"drive_gear": track(720), "driven_gear": track(780)}
-    values = WornMachine(description, depths).values
+    values = Tracks(depths).values([body.name for body in description.bodies])
     table, angle = values["running_in_depth"], values["casing_angle"]
     assert table.shape == (2, angle.size)
     np.testing.assert_allclose(table[1], depths["driven_gear"], atol=1e-18)

@@ -14,8 +14,7 @@ from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
-from toothspace.simulation.presets import interface_models, interface_text
-from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
+from toothspace.run.run import Run
 from toothspace.solver.cyclic import DENSE
 from toothspace.solver.look import SEEN, openings
 from toothspace.solver.outcome import attributes_of
@@ -23,15 +22,15 @@ from toothspace.solver.outcome import attributes_of
 _JOINING_GAP = 5e-6
 
 
-def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Kinematic flow and torque of a case; done at once, so progress is not reported."""
     del progress
-    case, description, condition = setup.case, setup.description, setup.condition
-    fluid, speed = setup.fluid, condition.shaft_speed
+    case, description, condition = run.case, run.machine, run.condition
+    fluid, speed = run.fluid, condition.shaft_speed
     density = float(mixture_density(condition.inlet_pressure, fluid.feed_gas_mass_fraction, fluid))
     shaft_angle = np.linspace(0.0, 2.0 * np.pi, case.run.samples_per_revolution + 1)
     dense_angle = np.linspace(0.0, 2.0 * np.pi, DENSE // SEEN + 1)
-    close = _waves(setup, dense_angle)
+    close = _waves(run, dense_angle)
     chambers = close.pop("chamber_pressure")
     volumes = [
         f.volume(f.phases + f.angle_ratio * shaft_angle[:, None]) for f in description.families
@@ -42,7 +41,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         "shaft_angle": shaft_angle,
         "time": shaft_angle / speed,
         "shaft_speed": np.full_like(shaft_angle, speed),
-        **_waves(setup, shaft_angle),
+        **_waves(run, shaft_angle),
         "chamber_pressure_minimum": chambers.min(axis=0),
         "chamber_pressure_maximum": chambers.max(axis=0),
         **extremes,
@@ -53,7 +52,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         "inlet_density": np.asarray(density),
         "outlet_density": np.asarray(density),
         "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
-        "fluid_temperature": np.asarray(fluid_temperature(case)),
+        **run.values,
     }
     data = dataset_from(
         values,
@@ -72,14 +71,13 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         2.0 * np.pi / speed,
         2.0 * np.pi,
     )
-    provenance = provenance_of(case) | {"interfaces": interface_text(interface_models(case))}
-    return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, provenance)
+    return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, run.provenance)
 
 
-def _waves(setup: Setup, shaft_angle: Array) -> dict[str, Array]:
+def _waves(run: Run, shaft_angle: Array) -> dict[str, Array]:
     """Torque, flows and pressures over the angle, by result variable. [SI]."""
-    description, condition = setup.description, setup.condition
-    dual_flank = setup.case.run.flank_sealing == "dual"
+    description, condition = run.machine, run.condition
+    dual_flank = run.case.run.flank_sealing == "dual"
     to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
     rate = _volume_rates(description, shaft_angle)
     outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
