@@ -202,8 +202,9 @@ def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     for entry in loss_causes(ledger):
         causes[entry.cause] += entry.power
     lost = lost_flow_rate(data, ledger)
-    parts = lost_flow.parts_of(data) or {lost_flow.EXCHANGE: lost}
-    leakage = lost_flow.leakages_of(parts)
+    parts = lost_flow.parts_of(data)
+    leakage = lost_flow.leakages_of(parts) or means_by_label(data, "leakage")
+    parts = parts or {lost_flow.EXCHANGE: lost - sum(leakage.values())}
     flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
     return {
         **{f"power_loss_{cause}_W": power for cause, power in causes.items()},

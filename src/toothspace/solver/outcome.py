@@ -23,6 +23,7 @@ from toothspace.model.path_category import (
     LOAD_ORIFICE,
     PathCategory,
 )
+from toothspace.model.paths import by_kind
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.performance import collapse_power, lost_flow_of
 from toothspace.results.ripple import PORTS
@@ -129,6 +130,9 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
             signal.min(axis=0),
             signal.max(axis=0),
         )
+    tips = _tips(system)
+    if tips:
+        values["tip_gap_minimum"] = np.array([seen.raw_height[:, at].min() for at in tips.values()])
     values |= {
         name if name == "dense_angle" else f"dense_{name}": waves[name]
         for name in ("dense_angle", *WAVES)
@@ -138,6 +142,16 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
     high = max(float(waves[f"{port}_pressure"].mean()) for port in PORTS)
     power = collapse_power(chambers["chamber_vapour_fraction"], volume, times, high)
     return {**values, "vapour_collapse_power": np.asarray(power)}
+
+
+def _tips(system: System) -> dict[str, slice]:
+    """Where the gaps of tips along a wall stand among all paths, by name."""
+    found, first = {}, 0
+    for path in by_kind(system.description.paths):
+        if path.throat_speed != 0.0:
+            found[path.name] = slice(first, first + path.count)
+        first += path.count
+    return found
 
 
 def _dense_flow(history: History, close: Look, port: str) -> Array:
@@ -501,5 +515,6 @@ def labels_of(system: System) -> dict[str, list[str]]:
         "contact": system.contact_labels,
         "path": [category.name for category in leakage_categories(system)],
         "mechanism": list(description.friction_mechanisms),
+        "tip": list(_tips(system)),
         "port": list(LABELS["port"]),
     }
