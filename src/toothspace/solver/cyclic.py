@@ -94,7 +94,7 @@ def march_revolutions(
     """
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     turn = 2.0 * np.pi / system.condition.shaft_speed
-    grid = _Grid.with_samples(plan.samples_per_revolution)
+    grid = _SampleGrid.with_samples(plan.samples_per_revolution)
     offsets = turn * grid.shares
     limit = plan.revolutions or plan.max_revolutions
     previous: Piece | None = None
@@ -148,7 +148,7 @@ def march_revolutions(
 
 @final
 @dataclass(frozen=True)
-class _Grid:
+class _SampleGrid:
     """Where in a revolution states are wanted: at its samples, and densely."""
 
     shares: Array
@@ -158,7 +158,7 @@ class _Grid:
     """Places of the samples and of the dense states among them."""
 
     @classmethod
-    def with_samples(cls, samples: int) -> _Grid:
+    def with_samples(cls, samples: int) -> _SampleGrid:
         """Grid with so many samples, which mostly are dense states too."""
         dense, own = (np.arange(count + 1) / count for count in (DENSE, samples))
         shares = dense if DENSE % samples == 0 else np.union1d(dense, own)

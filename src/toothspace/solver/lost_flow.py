@@ -100,7 +100,7 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     Notes
     -----
     What meshing chambers exchange is the rest of the mass balance; by the first equation of this
-    module it is also :func:`exchange_in_the_mesh`.
+    module it is also timing of the swept volumes and flows through ports, grooves and the mesh.
     """
     history, seen = close.history, close.seen
     system, times = history.system, history.times
@@ -122,30 +122,6 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     parts[PORT_VOLUMES] = scale * _kept_at_port(history)
     parts[EXCHANGE] = lost - sum(parts.values())
     return parts
-
-
-def exchange_in_the_mesh(close: Look) -> float:
-    """Flow lost by timing, and by exchange through ports, grooves and the mesh. [m3/s].
-
-    From the flows of the paths themselves: volume that is not displaced while a chamber counts to
-    the working side, and flows between chambers and ports that stand at different shares.
-    """
-    history, seen, share = close.history, close.seen, shares(close)
-    system, times, leakage = history.system, history.times, path_leakage(close, share)
-    density = _density(system, seen)
-    first, chambers = system.arrays.path_index[:, col.NODE_A], system.arrays.size.chambers
-    fall = share[:, first] - np.take_along_axis(share, seen.path_partner, axis=1)
-    inside = np.array([c.role not in ("load", "circuit") for c in system.categories])
-    flows = np.where(inside[system.arrays.path_index[:, col.CATEGORY]], seen.path_flow * fall, 0.0)
-    exchanged = float(np.trapezoid((flows - leakage[0] - leakage[1]).sum(axis=1), times))
-    volume, inner = seen.volume[:, :chambers], share[:, :chambers]
-    swept = float(np.sum(0.5 * (inner[1:] + inner[:-1]) * np.diff(volume, axis=0)))
-    turned = float(history.states[-1, 0] - history.states[0, 0])
-    displaced = system.description.displacement * turned
-    if system.description.mode == "motor":
-        # lost flow of a motor is what it takes beyond its displacement
-        displaced = -displaced
-    return (exchanged / density + swept + displaced) / float(times[-1] - times[0])
 
 
 def _density(system: System, seen: Observation) -> float:
