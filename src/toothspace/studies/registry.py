@@ -73,7 +73,7 @@ def run_study(
     """
     from toothspace.run.run import provenance_of
 
-    kind = kind_of(case)
+    kind = kind_of(case.check())
     module = import_module(f"toothspace.studies.{kind}")
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
