@@ -320,14 +320,14 @@ def _assembled(machine: Any) -> Any:
         raise type(error)(f"machine.{error}") from error
 
 
-def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
+def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
     """Read and check a case.
 
     Parameters
     ----------
-    source : str, Path or mapping
+    source : str, Path, mapping or Case
         TOML file, name of a shipped case such as ``egm12_pump``, or tables as for
-        :meth:`Case.from_dict`.
+        :meth:`Case.from_dict`; a case is returned as it is.
     overrides : iterable of str
         ``key.path=value``, laid over the file before its values are read.
 
@@ -344,6 +344,8 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
     if not isinstance(overrides, Iterable):
         raise CaseError(f"--set: found {overrides!r}, allowed a list of key.path=value")
     given = (overrides,) if isinstance(overrides, str) else tuple(overrides)
+    if isinstance(source, Case) and not given:
+        return source
     if isinstance(source, Mapping):
         document, path = Document("case", dict(source)), None
     else:

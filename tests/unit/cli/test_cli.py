@@ -68,12 +68,12 @@ Simulate = Callable[..., Any]
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[Simulate], None]:
     """Replace the simulation, and work in an empty folder."""
-    from toothspace import interactive
+    from toothspace import api
 
     monkeypatch.chdir(tmp_path)
 
     def replace(simulate: Simulate) -> None:
-        monkeypatch.setattr(interactive, "simulate", simulate)
+        monkeypatch.setattr(api, "simulate", simulate)
 
     return replace
 
