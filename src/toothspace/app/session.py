@@ -73,7 +73,7 @@ class Session:
             place = (self.folder / text).resolve()
             if place.exists() and not any(place.is_relative_to(home) for home in homes):
                 raise CaseError(f"case: {key}", f"{text!r}", f"a file in {self.folder}")
-        return Case.from_dict(tables, self.folder)
+        return Case.from_dict(tables, self.folder).check()
 
     def start(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Run a case; returns the state.

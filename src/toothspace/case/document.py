@@ -68,6 +68,8 @@ class Document:
 
     def refuse(self, error: CaseError) -> CaseError:
         """Return an error with file and line of its problems, in their order."""
+        if not self.label:
+            return error
         placed = []
         for problem in dict.fromkeys(error.problems):
             file, line = self.place(problem.key)

@@ -57,6 +57,7 @@ def run_study(
     if not kind:
         allowed = "a table [study] with its kind"
         raise CaseError("study", "nothing", allowed).in_file(case.label)
+    case.check()
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
     try:
