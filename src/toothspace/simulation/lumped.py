@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -10,7 +9,6 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
@@ -18,17 +16,14 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution
 from toothspace.simulation.heating import run_with_heat
+from toothspace.simulation.load_orifice import march_against_orifice
 from toothspace.simulation.presets import interface_models, interface_text
-from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
+from toothspace.simulation.running_in import WornMachine, run_in
 from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
 from toothspace.solver.accuracy import Assembled, march_to_balance
-from toothspace.solver.compiled_model import observe
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state
 from toothspace.solver.outcome import solution_from
 
-_LOAD_ROUNDS = 4
-_LOAD_SETTLED = 1e-2
-_LOAD_MATCH = 2e-3
 _RARELY = 0.01
 _LONGEST_CHANGE = 4.0
 """Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
@@ -43,9 +38,6 @@ _UNSEATED = (
     "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
     "or solve the films with fidelity 'elastic'."
 )
-_WITHOUT_LEAKAGE = 0.5
-_MOST_LEAKAGE = 1.5
-"""Powers of the pressure that the area of the load orifice grows with. [-]"""
 
 
 @final
@@ -98,9 +90,10 @@ class RepeatedRun:
         for _ in range(_SEAT_ROUNDS):
             own = self._machine
             start = Assembled(machine, own.fluid, self._condition)
-            history = _march(own.case, start, self._last, self._progress)
+            history, told = _march(own.case, start, self._last, self._progress)
             self._last = history if history.status is Status.DONE else None
             found = solution_from(history, own.provenance, own.extra, own.case.title)
+            found = found.with_note(told)
             table = machine.lateral_table
             if table is None:
                 return found
@@ -153,8 +146,8 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
 
 def _march(
     case: Case, machine: Assembled, last: History | None, progress: Progress | None
-) -> History:
-    """March until cyclic, from the end of the last run if there is one."""
+) -> tuple[History, str]:
+    """March until cyclic, from the end of the last run if any, and what was not reached."""
     plan = RunPlan(
         revolutions=case.run.revolutions,
         max_revolutions=case.run.max_revolutions,
@@ -164,66 +157,5 @@ def _march(
     assert case.operating_point is not None
     if case.operating_point.outlet_load == "fixed_pressure":
         state = None if last is None else first_turn_state(last)
-        return march_to_balance(machine, plan, progress, state)
-    return _march_against_orifice(machine, plan, last, progress)
-
-
-def _march_against_orifice(
-    machine: Assembled, plan: RunPlan, last: History | None, progress: Progress | None
-) -> History:
-    """Size the load orifice until the mean outlet pressure is the one asked for."""
-    condition = machine.condition
-    wanted = condition.outlet_pressure - condition.load_pressure
-
-    def loaded(area: float) -> Assembled:
-        return replace(machine, condition=replace(condition, load_area=area))
-
-    history = last or _roughly_sized(machine, loaded, wanted, plan, progress)
-    area, found = history.system.condition.load_area, _gauge_pressure(history)
-    exponent = _WITHOUT_LEAKAGE
-    for _ in range(_LOAD_ROUNDS):
-        if history.status in CUT_SHORT:
-            break
-        wider, before = (found / wanted) ** exponent, found
-        area *= wider
-        history = march_to_balance(loaded(area), plan, progress, first_turn_state(history))
-        found = _gauge_pressure(history)
-        if abs(found / wanted - 1.0) < _LOAD_MATCH:
-            break
-        if abs(wider - 1.0) > _LOAD_MATCH:
-            slope = np.log(wider) / np.log(before / found)
-            exponent = float(np.clip(slope, _WITHOUT_LEAKAGE, _MOST_LEAKAGE))
-    return history
-
-
-def _roughly_sized(
-    machine: Assembled,
-    loaded: Callable[[float], Assembled],
-    wanted: float,
-    plan: RunPlan,
-    progress: Progress | None,
-) -> History:
-    """March against the orifice of a machine that does not leak until its pressure settles."""
-
-    def sizing(_: float, text: str) -> None:
-        tell(progress, UNKNOWN, f"load orifice, {text}")
-
-    condition, density = machine.condition, machine.fluid.reference_density
-    flow = machine.description.displacement * condition.shaft_speed
-    area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / density))
-    system, once = loaded(area).at(condition.relative_tolerance), replace(plan, revolutions=1)
-    history = march_revolutions(system, once, sizing)
-    found, settled = _gauge_pressure(history), False
-    while history.status not in CUT_SHORT and not settled:
-        history = march_revolutions(system, once, sizing, first_turn_state(history))
-        before, found = found, _gauge_pressure(history)
-        settled = abs(found / before - 1.0) < _LOAD_SETTLED
-    return history
-
-
-def _gauge_pressure(history: History) -> float:
-    """Mean pressure of the outlet volume over the last revolution, above that of the load. [Pa]."""
-    samples = history.states[: max(len(history.states) - 1, 1)]
-    seen = observe(history.system.arrays, samples)
-    mean = float(seen.pressure[:, history.system.description.outlet_node].mean())
-    return mean - history.system.condition.load_pressure
+        return march_to_balance(machine, plan, progress, state), ""
+    return march_against_orifice(machine, plan, last, progress)
