@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -15,7 +14,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.interrupts import ENDING
 
 _THREADS = "TOOTHSPACE_THREADS"
-_ONE_THREAD = (_THREADS, "NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+_ONE_THREAD = (_THREADS, "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 def threads() -> int:
@@ -33,17 +32,7 @@ def start_worker() -> None:
         signal.signal(number, signal.SIG_IGN)
     for name in _ONE_THREAD:
         os.environ[name] = "1"
-    if "numba" in sys.modules:
-        _read_again(sys.modules["numba"])
     threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _read_again(numba: Any) -> None:
-    """Let Numba take its number of threads from the environment now, not with a later function."""
-    try:
-        numba.config.reload_config()
-    except RuntimeError:  # threads of a forked process run already, and their number is fixed
-        del os.environ["NUMBA_NUM_THREADS"]
 
 
 def _end_with_parent() -> None:

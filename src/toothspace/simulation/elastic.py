@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from toothspace.case import Case
 from toothspace.core.progress import Progress
+from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
 from toothspace.simulation.heating import lateral_heating, with_temperatures
 from toothspace.simulation.lateral.coupled_run import coupled_solution
@@ -17,8 +18,8 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
     require_floating_part(setup.case)
     case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
-    machine = run_in_machine(setup, progress)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
+    machine = run_in_machine(setup, progress)
     found = coupled_solution(
         machine.description,
         machine.fluid,
@@ -33,5 +34,6 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
 def lateral_settings(case: Case) -> LateralSettings:
     """Grids and laws of the lateral films of a case."""
     run, heating = case.run, lateral_heating(case)
+    check_grid("run.film_grid", run.film_grid)
     grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
     return LateralSettings(grid=grid, angles=angles, deformation=law, heating=heating)
