@@ -40,7 +40,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
-        "*/heat_network.py", "simulation/heating.py", "simulation/lateral/heat.py",
+        "*/heat_network.py", "simulation/heating.py", "floating/heat.py",
         "closures/heat*",
     ),
     "losses by cause, ripple of the source, lines": (
@@ -51,26 +51,26 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "interactive.py", "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
-        "machines/external_gear/trapping.py", "machines/external_gear/elastic_assembly.py",
+        "advice/trapping.py", "machines/external_gear/elastic_assembly.py",
     ),
     "mixing, roots, splines, second core": (
         *(f"numerics/{name}.py" for name in ("acceleration", "parallel", "roots", "spline")),
     ),
     "form in the browser": ("app/*",),
     "kinematics of many designs at once": (
-        "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
-        "studies/design_scan.py",
+        "gearing/design_values.py", "geometry/*_designs.py", "advice/gear_designs.py",
+        "machines/external_gear/designs.py", "studies/design_scan.py",
     ),
     "lateral films looked up at every instant": (
         "model/lateral_lo*.py", "model/lateral_table.py", "solver/lateral_lookup.py",
     ),
     "functional mock-up units": ("fmi/*",),
     "bodies that lift and tilt between covers": (
-        "simulation/lateral/between_covers.py", "films/lateral/resting_covers.py",
+        "floating/between_covers.py",
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
     "bearing blocks that follow their load": ("model/free_motions.py",),
-    "design rules of ways from port to port": ("gearing/short_circuit.py",),
+    "design rules of cross-port leakage": ("advice/short_circuit.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""

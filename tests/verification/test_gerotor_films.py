@@ -14,14 +14,14 @@ from toothspace import api
 from toothspace.closures.squeeze_film import squeeze_damping
 from toothspace.core.types import Array
 from toothspace.films.journal.rim_film import rim_paths, sector_family
-from toothspace.films.lateral.conductance import (
+from toothspace.films.plane.conductance import (
     FaceConductance,
     FaceResolution,
     face_conductance,
 )
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceBody, FaceCells, FilmFace
-from toothspace.simulation.shared_covers import CoverFilms, with_shared_films
+from toothspace.run.shared_covers import CoverFilms, with_shared_films
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, MIDDLE, RIM = 8e-3, 14e-3, 26e-3

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, HIGH_NODE, INNER, LOW, OUTER, loads, pressures, ring_stack
-from toothspace.api import set_up
+from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.core.types import Array
 from toothspace.elasticity import (
@@ -24,26 +24,24 @@ from toothspace.elasticity import (
     influence_matrix,
     storage,
 )
-from toothspace.films.lateral.deformation import Fineness, film_coefficients, fitted, response
-from toothspace.films.lateral.elastic_faces import (
+from toothspace.floating.body_loads import face_deflection
+from toothspace.floating.deformation import Fineness, film_coefficients, fitted, response
+from toothspace.floating.elastic_faces import (
     ElasticFaces,
     elastic_faces,
 )
-from toothspace.films.lateral.equilibrium import (
+from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
-from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import Balance, StepSettings, state_at
-from toothspace.films.lateral.stack import PreviousStep, Snapshot, Stack, StackState
+from toothspace.floating.local_deformation import Accuracy
+from toothspace.floating.motion import Balance, StepSettings, state_at
+from toothspace.floating.problem import LateralProblem, lateral_problem, numbers_of
+from toothspace.floating.stack import PreviousStep, Snapshot, Stack, StackState
 from toothspace.numerics.acceleration import Mixing
-from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.lateral.loads import face_deflection
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import condition_of
+from toothspace.run.elastic import lateral_settings
 
 pytestmark = pytest.mark.slow
 
@@ -304,9 +302,9 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
         "run.samples_per_revolution=180",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_078.toml", (*coarse, *changes))
-    machine = run_in_machine(set_up(case))
-    data = machine.at(condition_of(case, machine.description))().data
-    problem = lateral_problem(machine.description, machine.fluid, data, lateral_settings(case))
+    run = prepare(case).worn().with_films()
+    data = run.march().data
+    problem = lateral_problem(run.machine, run.fluid, data, lateral_settings(case))
     return problem, problem.settle(problem.started(3e-6))
 
 

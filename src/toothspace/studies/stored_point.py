@@ -11,13 +11,13 @@ from typing import Any, final
 
 import numpy as np
 
-import toothspace
 from toothspace.case import Case
+from toothspace.core.compilation.cache import digest_of_sources
 from toothspace.core.files import plain
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import LateralNumbers, film_fields, film_places
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.problem import LateralNumbers, film_fields, film_places
 from toothspace.studies.records import Record
 
 FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")
@@ -127,5 +127,5 @@ def point_key(case: Case, *what: object) -> str:
     *what : object
         Numbers and texts that the point depends on besides the case.
     """
-    text = "\n".join((case.at_point({}).hash, repr(what), toothspace.__version__))
+    text = "\n".join((case.at_point({}).hash, repr(what), digest_of_sources()))
     return hashlib.sha256(text.encode()).hexdigest()[:32]

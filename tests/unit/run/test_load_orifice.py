@@ -13,8 +13,8 @@ from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.status import Status
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation import load_orifice
-from toothspace.simulation.load_orifice import (
+from toothspace.run import load_orifice
+from toothspace.run.load_orifice import (
     LOAD_MATCH,
     OutletBalance,
     march_against_orifice,

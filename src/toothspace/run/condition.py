@@ -1,0 +1,162 @@
+"""Fluid and operating condition of a case."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.circuit import ReliefValve
+from toothspace.case.conditions import FluidChoice, OperatingPoint
+from toothspace.case.lines import line_at_port
+from toothspace.case.plumbing import plumb, shaft_of, speed_of
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.errors import CaseError
+from toothspace.model.description import MachineDescription
+from toothspace.model.fluid import GasModel, fluid_law, highest_pressure
+from toothspace.model.operating_point import OperatingCondition
+
+LINE_END = "line_end"
+"""Node at the far end of a line at the outlet, before its load."""
+
+_EXPECTED_PRESSURE = 50e5
+_BEYOND_BREAKAWAY = 1.5
+
+
+def fluid_keys(case: Case) -> FluidChoice:
+    """``[fluid]`` of a case.
+
+    Raises
+    ------
+    CaseError
+        If it has none.
+    """
+    if case.fluid is None:
+        raise CaseError("fluid: found none, allowed a case with a [fluid] table")
+    return case.fluid
+
+
+def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
+    """Constants of the fluid of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a fluid.
+    temperature : float, optional
+        Temperature; that of the case if not given. [K]
+    """
+    choice = fluid_keys(case)
+    gas = GasModel(
+        choice.gas_law,
+        choice.free_air_fraction,
+        choice.dissolved_air_fraction,
+        choice.saturation_pressure,
+        choice.release_time,
+        choice.absorption_time,
+    )
+    asked = choice.temperature if temperature is None else temperature
+    return fluid_law(choice.source, asked, gas)
+
+
+def fluid_temperature(case: Case) -> float:
+    """Temperature of the fluid of a case. [K]."""
+    return fluid_keys(case).temperature
+
+
+def known_pressure(case: Case) -> float:
+    """Pressure up to which the properties of the fluid of a case are known. [Pa]."""
+    choice = fluid_keys(case)
+    return highest_pressure(choice.source, choice.temperature)
+
+
+def condition_of(
+    case: Case, description: MachineDescription, fluid: FluidLaw | None = None
+) -> OperatingCondition:
+    """Condition of a case, of its operating point or of its circuit.
+
+    Parameters
+    ----------
+    case : Case
+        Case with one of both.
+    description : MachineDescription
+        Its machine.
+    fluid : FluidLaw, optional
+        Its fluid, computed if not given.
+
+    Raises
+    ------
+    CaseError
+        If the case has neither.
+    """
+    law = fluid_of(case) if fluid is None else fluid
+    if case.circuit is not None:
+        return _circuit_condition(case, description, law)
+    if case.operating_point is None:
+        allowed = "a case with an [operating_point] or a [circuit]"
+        raise CaseError(f"operating_point: found none, allowed {allowed}")
+    return _steady_condition(case, case.operating_point, description, law)
+
+
+def _steady_condition(
+    case: Case, point: OperatingPoint, description: MachineDescription, fluid: FluidLaw
+) -> OperatingCondition:
+    """Operating condition of a case, before a load orifice is sized."""
+    line, end, orifice = None, "outlet", point.outlet_load == "orifice"
+    if point.line is not None:
+        motor = description.mode == "motor"
+        port = "inlet" if motor else "outlet"
+        end = "supply" if motor else LINE_END if orifice else "load"
+        pressure = point.inlet_pressure if motor else point.outlet_pressure
+        volume = description.port_volumes[0 if motor else 1]
+        line = line_at_port(point.line, port, volume, pressure, end, fluid)
+    return OperatingCondition(
+        shaft_speed=point.shaft_speed,
+        inlet_pressure=point.inlet_pressure,
+        outlet_pressure=point.outlet_pressure,
+        drain_pressure=description.drain_pressure,
+        load_node="outlet" if end == "supply" else end,
+        circuit=line,
+        radial_load=point.shaft_radial_load,
+        compliant_mesh=case.run.mesh == "elastic",
+        relative_tolerance=case.run.relative_tolerance,
+    )
+
+
+def _circuit_condition(
+    case: Case, description: MachineDescription, fluid: FluidLaw
+) -> OperatingCondition:
+    """Condition of a case with a circuit, at the pressure that it is expected to reach."""
+    keys = case.circuit
+    assert keys is not None
+    circuit, shaft, speed = plumb(keys, description, fluid), shaft_of(keys, description), None
+    if shaft is None:
+        speed = speed_of(keys)
+        assert speed is not None
+    low = circuit.supply_pressure
+    high = low + _expected_pressure(case, description)
+    shaft_speed = keys.initial_shaft_speed if speed is None else float(speed[0, 1])
+    high_inlet = (description.mode == "motor") == (shaft_speed >= 0.0)
+    return OperatingCondition(
+        shaft_speed=shaft_speed,
+        inlet_pressure=high if high_inlet else low,
+        outlet_pressure=low if high_inlet else high,
+        drain_pressure=description.drain_pressure,
+        compliant_mesh=case.run.mesh == "elastic",
+        relative_tolerance=case.run.relative_tolerance,
+        circuit=circuit,
+        free_shaft=shaft,
+        speed_schedule=np.zeros((0, 2)) if speed is None else speed,
+        shaft_angle=keys.initial_shaft_angle,
+    )
+
+
+def _expected_pressure(case: Case, description: MachineDescription) -> float:
+    """Pressure difference that seats the bearing blocks and scales the tolerance. [Pa]."""
+    assert case.circuit is not None
+    elements = case.circuit.elements.values()
+    relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]
+    expected = max(relief, default=_EXPECTED_PRESSURE)
+    startup = description.startup
+    if startup is None or startup.law == "interfaces" or speed_of(case.circuit) is not None:
+        return expected
+    return min(expected, _BEYOND_BREAKAWAY * startup.torque / description.displacement)

@@ -1,0 +1,56 @@
+"""The ``elastic`` preset: lateral films with deformation, floating bearings in balance."""
+
+from __future__ import annotations
+
+from toothspace.case import Case
+from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
+from toothspace.floating.coupled_run import coupled_solution
+from toothspace.floating.coupling import PointRequest
+from toothspace.floating.problem import (
+    NO_FLOATING_PART,
+    LateralSettings,
+    balance_of,
+)
+from toothspace.numerics.banded import check_grid
+from toothspace.results.solution import Solution
+from toothspace.run.heating import lateral_heating, with_temperatures
+from toothspace.run.run import Run
+
+
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
+    """Chambers and lateral films in agreement, then one revolution of the films."""
+    require_floating_part(run.case)
+    case, balance = run.case, balance_of(run.machine)
+    request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
+    ready = run.worn(progress).with_films(progress)
+    found = coupled_solution(
+        ready.machine,
+        ready.fluid,
+        ready.repeated(progress),
+        request,
+        case.run.film_steps_per_revolution,
+        progress,
+    )
+    return with_temperatures(case, ready.machine, found)
+
+
+def lateral_settings(case: Case) -> LateralSettings:
+    """Grids and laws of the lateral films of a case."""
+    run, heating = case.run, lateral_heating(case)
+    check_grid("run.film_grid", run.film_grid)
+    grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
+    return LateralSettings(grid=grid, angles=angles, deformation=law, heating=heating)
+
+
+def require_floating_part(case: Case) -> None:
+    """Refuse a machine without a floating part in balance before anything is computed.
+
+    Raises
+    ------
+    CaseError
+        If it has none, in the words of the machine type.
+    """
+    lacking = getattr(case.machine, "missing_floating_part", NO_FLOATING_PART)
+    if lacking:
+        raise CaseError(lacking)

@@ -1,0 +1,118 @@
+"""The ideal machine: rigid fluid, no leakage, no friction."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toothspace.closures.density import mixture_density
+from toothspace.core.progress import Progress
+from toothspace.core.status import Status
+from toothspace.core.types import Array, BoolArray
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.results.ledger import ledger_from
+from toothspace.results.solution import Solution
+from toothspace.results.variables import dataset_from
+from toothspace.run.run import Run
+from toothspace.solver.outcome import attributes_of, openings
+
+_JOINING_GAP = 5e-6
+
+
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
+    """Kinematic flow and torque of a case; done at once, so progress is not reported."""
+    del progress
+    case, description, condition = run.case, run.machine, run.condition
+    fluid, dual_flank = run.fluid, case.run.flank_sealing == "dual"
+    shaft_angle = np.linspace(0.0, 2.0 * np.pi, case.run.samples_per_revolution + 1)
+    to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
+    rate = _volume_rates(description, shaft_angle)
+    outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
+    density = float(mixture_density(condition.inlet_pressure, fluid.feed_gas_mass_fraction, fluid))
+    span = condition.outlet_pressure - condition.inlet_pressure
+    speed = condition.shaft_speed
+    motor = description.mode == "motor"
+    pressure = np.where(to_outlet, condition.outlet_pressure, condition.inlet_pressure)
+    torque = span * outflow
+    volumes = [
+        f.volume(f.phases + f.angle_ratio * shaft_angle[:, None]) for f in description.families
+    ]
+    values = {
+        "shaft_angle": shaft_angle,
+        "time": shaft_angle / speed,
+        "shaft_speed": np.full_like(shaft_angle, speed),
+        "shaft_torque": -torque if motor else torque,
+        "inlet_flow_rate": outflow * speed,
+        "outlet_flow_rate": outflow * speed,
+        "inlet_pressure": np.full_like(shaft_angle, condition.inlet_pressure),
+        "outlet_pressure": np.full_like(shaft_angle, condition.outlet_pressure),
+        "chamber_pressure": pressure,
+        "chamber_volume": np.concatenate([part[..., 0] for part in volumes], axis=1),
+        "displacement": np.asarray(description.displacement),
+        "inlet_density": np.asarray(density),
+        "outlet_density": np.asarray(density),
+        "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
+        **run.values,
+    }
+    data = dataset_from(
+        values,
+        {"chamber": description.chamber_labels, "body": [b.name for b in description.bodies]},
+        attributes=attributes_of(description, case.title),
+    )
+    volume = float(np.trapezoid(outflow, shaft_angle))
+    ledger = ledger_from(
+        {
+            "mass_inlet": density * volume,
+            "mass_outlet": density * volume,
+            "shaft": volume * span,
+            "port_inlet": volume * condition.inlet_pressure,
+            "port_outlet": volume * condition.outlet_pressure,
+        },
+        2.0 * np.pi / speed,
+        2.0 * np.pi,
+    )
+    return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, run.provenance)
+
+
+def outlet_members(
+    description: MachineDescription, shaft_angle: Array, *, dual_flank: bool
+) -> BoolArray:
+    """Which chambers deliver to the outlet; shape (angles, chambers). [-].
+
+    Each group of joined chambers belongs to the port to which it is wider open; a group
+    between two contacts, open to none, belongs to the outlet while it shrinks: relief grooves
+    are taken as perfectly timed.
+    """
+    ports = openings(description, shaft_angle)
+    preference = ports[..., 1] - ports[..., 0]
+    rate = _volume_rates(description, shaft_angle)
+    group = np.tile(np.arange(description.chamber_count), (shaft_angle.size, 1))
+    if not dual_flank:
+        for path in description.paths:
+            if path.category.role == "mesh":
+                _join(group, path, shaft_angle)
+    total = np.zeros_like(preference)
+    shrinking = np.zeros_like(preference)
+    rows = np.arange(shaft_angle.size)[:, None]
+    np.add.at(total, (rows, group), preference)
+    np.add.at(shrinking, (rows, group), -rate)
+    total, shrinking = total[rows, group], shrinking[rows, group]
+    return np.where(np.abs(total) > 1e-15, total, shrinking) > 0.0
+
+
+def _join(group: Any, path: FlowPath, shaft_angle: Array) -> None:
+    geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle[:, None])
+    open_gap = (geometry[..., 0] > _JOINING_GAP) & (geometry[..., 1] > 0.0)
+    partner = path.partners(shaft_angle)
+    for row, column in zip(*np.nonzero(open_gap), strict=True):
+        a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
+        group[row][group[row] == max(a, b)] = min(a, b)
+
+
+def _volume_rates(description: MachineDescription, shaft_angle: Array) -> Array:
+    parts = [
+        f.angle_ratio * f.volume.derivative(f.phases + f.angle_ratio * shaft_angle[:, None])
+        for f in description.families
+    ]
+    return np.concatenate([part[..., 0] for part in parts], axis=1)

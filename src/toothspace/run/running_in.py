@@ -1,0 +1,151 @@
+"""Running-in: how deep the gears cut into the casing at a break-in condition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.fingerprint import fingerprint
+from toothspace.core.array_store import keep_arrays, load_arrays
+from toothspace.core.compiled import cache_root, digest_of_sources
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.progress import Progress, part
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.model.assembly import assemble
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.paths import by_kind
+from toothspace.results.solution import Solution
+from toothspace.run.condition import fluid_of
+from toothspace.solver.compiled_model import observe
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
+
+_PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
+_TOLERANCE = 1e-5
+_MOST_FILES = 2000
+CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
+"""How a march ends before its time."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """What running-in has cut into the casing; nothing without running-in."""
+
+    depths: Mapping[str, Array] = field(default_factory=dict)
+    """Depth of each track over the casing angle, by the path that wears. [m]"""
+    status: Status = Status.DONE
+    """Whether the running-in came to its end."""
+
+    def marked(self, solution: Solution) -> Solution:
+        """Solution on this casing: not done on one that was cut only in part."""
+        if self.status is Status.DONE or solution.status is Status.INTERRUPTED:
+            return solution
+        return replace(solution, status=self.status).with_note("Running-in ended before its time.")
+
+    def values(self, bodies: Sequence[str]) -> dict[str, Any]:
+        """Depths by the names of results, one row per body, at the nodes of the finest table."""
+        if not self.depths:
+            return {}
+        angle = _table_angles(max(depth.size for depth in self.depths.values()))
+        table = np.zeros((len(bodies), angle.size))
+        for body, depth in self.depths.items():
+            own = _table_angles(depth.size)
+            table[bodies.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
+        return {"running_in_depth": table, "casing_angle": angle}
+
+
+def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:
+    """Cut the casing at the break-in condition; taken from disk if it was computed before.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted.
+    """
+    state = machine.running_in
+    if state is None:
+        return Tracks()
+    high, low = state.pressure, ATMOSPHERIC_PRESSURE
+    motor = machine.mode == "motor"
+    condition = OperatingCondition(
+        shaft_speed=state.shaft_speed,
+        inlet_pressure=high if motor else low,
+        outlet_pressure=low if motor else high,
+        drain_pressure=machine.drain_pressure,
+        relative_tolerance=_TOLERANCE,
+    )
+    fluid = fluid_of(case, state.temperature)
+    key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _PLAN)
+    depths = load(key)
+    if depths is not None:
+        return Tracks(depths)
+    plan = replace(_PLAN, max_steps=case.run.max_steps)
+    history = march_revolutions(
+        assemble(machine, fluid, condition), plan, part(progress, "running-in")
+    )
+    if history.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    depths = running_in_depths(history)
+    if history.status in CUT_SHORT:
+        return Tracks(depths, history.status)
+    save(key, depths)
+    return Tracks(depths)
+
+
+def folder() -> Path:
+    """Folder of stored depths, beside the compiled code and keyed by its sources."""
+    return cache_root() / f"running-in-{digest_of_sources()}"
+
+
+def load(key: str) -> dict[str, Array] | None:
+    """Return the depths stored under a key, or None. [m]."""
+    return load_arrays(folder() / f"{key}.npz")
+
+
+def save(key: str, depths: dict[str, Array]) -> None:
+    """Store depths. [m]."""
+    keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
+
+
+def _table_angles(nodes: int) -> Array:
+    return np.arange(nodes) * 2.0 * np.pi / nodes
+
+
+def running_in_depths(history: History) -> dict[str, Array]:
+    """Depths that every body cuts, at the table nodes of its gap, from one revolution. [m].
+
+    The casing is cut until no gap of the revolution is smaller than its residual height.
+    """
+    system = history.system
+    heights = observe(system.arrays, history.states).raw_height
+    angles = history.states[:, 0]
+    depths = {}
+    first = 0
+    for path in by_kind(system.description.paths):
+        members = slice(first, first + path.count)
+        if path.worn_by is not None:
+            depths[path.worn_by] = _depth(path, angles, heights[:, members])
+        first += path.count
+    return depths
+
+
+def _depth(path: FlowPath, shaft_angles: Array, heights: Array) -> Array:
+    period, nodes = path.geometry.period, path.geometry.values.shape[0]
+    step = period / nodes
+    depth = np.zeros(nodes)
+    closed = path.geometry.values[:, 1] <= 0.0
+    for k in range(path.count):
+        angle = np.mod(path.phases[k] + path.angle_ratio * shaft_angles, period)
+        index = np.round(angle / step).astype(int) % nodes
+        np.maximum.at(depth, index, path.minimum_height - heights[:, k])
+    depth[closed] = 0.0
+    # widened and rounded by a few nodes: a tip land has a width
+    widened = np.max([np.roll(depth, k) for k in range(-3, 4)], axis=0)
+    return np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)

@@ -1,0 +1,189 @@
+"""Journal and lateral films of a machine solved on grids, as in the ``films`` preset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array, IntArray
+from toothspace.films.journal.map import solved_journal
+from toothspace.films.plane.conductance import (
+    LARGEST,
+    FaceResolution,
+    face_conductance,
+    gap_table,
+    over_turn,
+)
+from toothspace.model.description import (
+    FlowPath,
+    LumpedJournalBearing,
+    LumpedLateralFilm,
+    MachineDescription,
+)
+from toothspace.model.films import lateral_face_torque
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+from toothspace.run.shared_covers import solved_covers, with_shared_films
+
+SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
+"""Films of both interfaces that can be solved for a machine."""
+_RESOLUTION = FaceResolution(rows=60, lanes=48, angles=6)
+_FULL_TURN = 2.0 * np.pi
+_LEAST = 1e-3
+"""Smallest shape conductance between chambers, of a path that needs a length. [-]"""
+
+
+def with_solved_films(
+    description: MachineDescription,
+    condition: OperatingCondition | None = None,
+    fluid: FluidLaw | None = None,
+    models: Mapping[str, str] = SOLVED,
+) -> MachineDescription:
+    """Machine whose journal and lateral films follow from solved Reynolds equations.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with closed-form films.
+    condition, fluid : optional
+        Condition and fluid with which bodies that move between covers find their places.
+    models : mapping of str to str
+        Model of each interface; those with ``reynolds`` are solved, the others stay.
+
+    Returns
+    -------
+    MachineDescription
+        The same machine with impedance maps of its journal films, and with the conductances of
+        its lateral films between chambers, relief grooves and shaft over the angle.
+
+    Raises
+    ------
+    CaseError
+        If the machine type does not give the outlines of its faces.
+
+    Notes
+    -----
+    Rigid faces, parallel but where bodies find their places between covers; the tilt of a given
+    face enters the mean cube of the gap as in the closed form. Tip and flank gaps stay closed: a
+    parallel or curved gap is the exact solution there.
+    """
+    if models["lateral"] == "reynolds":
+        description = _with_solved_faces(description, condition, fluid)
+    if models["journal"] == "reynolds":
+        journals = tuple(_solved(journal) for journal in description.journals)
+        description = replace(description, journals=journals)
+    return description
+
+
+def _with_solved_faces(
+    description: MachineDescription,
+    condition: OperatingCondition | None,
+    fluid: FluidLaw | None,
+) -> MachineDescription:
+    if description.shared_faces is not None:
+        return with_shared_films(description, solved_covers(description, condition, fluid))
+    if all(film.face is None for film in description.laterals):
+        found = "'reynolds' for a machine that gives the outline of none of its faces"
+        raise CaseError(f"run.interfaces.lateral: found {found}, allowed 'closed_form'")
+    faces = {f.body: _Face(description, f) for f in description.laterals if f.face is not None}
+    replaced = {path.name for face in faces.values() for path in (face.across, face.inwards)}
+    kept = [path for path in description.paths if path.name not in replaced]
+    return replace(
+        description,
+        paths=(*kept, *(path for face in faces.values() for path in face.paths())),
+        laterals=tuple(
+            film if film.face is None else faces[film.body].film() for film in description.laterals
+        ),
+    )
+
+
+def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
+    if journal.solved is not None or journal.end_condition == "no_flow":
+        return journal
+    rough = journal.roughness > 0.0
+    ratio = journal.radial_clearance / journal.roughness if rough else np.inf
+    slenderness = round(journal.length / journal.diameter, 9)
+    solved = solved_journal(slenderness, round(float(ratio), 3))
+    return replace(journal, solved=solved)
+
+
+class _Face:
+    """Both faces of one body with their solved conductances."""
+
+    def __init__(self, description: MachineDescription, film: LumpedLateralFilm) -> None:
+        assert film.face is not None
+        self.lateral, self.face = film, film.face
+        self.across = _path(description, LATERAL, film.face.chambers.nodes)
+        self.inwards = _path(description, DRAIN, film.face.chambers.nodes)
+        self.height = float(self.inwards.geometry.values[0, 0])
+        self.solved = face_conductance(film.face, _RESOLUTION)
+
+    def film(self) -> LumpedLateralFilm:
+        """Film with the solved torque; a tilt shears as in the closed form."""
+        closed = replace(self.lateral, tilt=0.0)
+        tilted = lateral_face_torque(self.lateral) / lateral_face_torque(closed)
+        return replace(self.lateral, drag=self.solved.drag[0] / self.lateral.height * tilted)
+
+    def paths(self) -> list[FlowPath]:
+        """Paths between chambers, from them to recesses and shaft, and from those to the shaft."""
+        count = self.face.chambers.nodes.size
+        spaces = np.arange(count)
+        behind = self._over_turn(self.across, np.roll(spaces, -1), spaces)
+        inwards = self._over_turn(self.inwards, spaces, np.full(count, -1))
+        # on the nodes of the conductance
+        drag_speed, angles = self.across.drag_speed, np.arange(behind.size) * _FULL_TURN
+        if drag_speed is not None:
+            drag_speed = monotone_table(_FULL_TURN, drag_speed(angles / behind.size))
+        found = [
+            replace(
+                self.across,
+                geometry=self._teeth(np.clip(behind, _LEAST, LARGEST)),
+                drag_speed=drag_speed,
+            ),
+            replace(self.inwards, geometry=gap_table(self.height, inwards)),
+        ]
+        for place, node in enumerate(self.face.recesses.tolist(), count):
+            shape = self._over_turn(self.inwards, spaces, np.full(count, place))
+            from_spaces = replace(
+                self.inwards,
+                name=f"{self.across.name}_recess_{node}",
+                category=LATERAL,
+                nodes_b=np.full(count, node),
+                geometry=gap_table(self.height, shape),
+            )
+            one_pitch = -self.solved.matrix[:, place, -1]
+            to_shaft = replace(
+                self.inwards,
+                name=f"{self.inwards.name}_recess_{node}",
+                nodes_a=np.array([node]),
+                nodes_b=self.inwards.nodes_b[:1],
+                phases=np.zeros(1),
+                geometry=gap_table(self.height, np.tile(one_pitch, count)),
+            )
+            found += [from_spaces, to_shaft]
+        return found
+
+    def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
+        """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
+        values = -self.solved.matrix[:, first, second]
+        return over_turn(values, path.phases, self.solved.turn)
+
+    def _teeth(self, conductance: Array) -> PeriodicTable:
+        """Gap over the teeth: its width drags fluid along and stays, the length conducts."""
+        height, width = self.across.geometry.values[0, :2]
+        columns = np.tile([height, width, 0.0], (conductance.size, 1))
+        columns[:, 2] = width / conductance
+        return monotone_table(_FULL_TURN, columns)
+
+
+def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:
+    """Closed-form paths of a face: those that begin at its chambers."""
+    for path in description.paths:
+        if path.category == category and np.isin(path.nodes_a, nodes).all():
+            return path
+    raise CaseError(f"run.fidelity: found 'films' without {category.name} paths, allowed are faces")
