@@ -48,7 +48,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "studies/source_ripple.py", "plotting/source_figures.py",
     ),
     "notebooks, command line, report": (
-        "interactive.py", "cli/*", "report/*", "core/progress.py",
+        "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
         "advice/trapping.py", "machines/external_gear/elastic_assembly.py",

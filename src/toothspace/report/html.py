@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from toothspace.advice.findings import findings_of, status_line
+from toothspace.advice.findings import findings_of
 from toothspace.advice.limits import limits_of
 from toothspace.advice.verdict import verdict
+from toothspace.api import machine_of
 from toothspace.case.presets import INTERFACES, MODELS
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.files import path_of, require_ending, write_text
+from toothspace.core.finding import status_line
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
@@ -19,7 +21,6 @@ from toothspace.plotting.startup import speed_and_pressure
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.charts import turning_section
 from toothspace.report.document import write_document
-from toothspace.report.machine import machine_of
 from toothspace.report.page import render
 from toothspace.report.wording import format_value, quantity, shown_unit
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
