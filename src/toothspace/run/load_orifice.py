@@ -45,6 +45,8 @@ LOAD_MATCH = 2e-3
 """Difference between reached and asked pressure drop that counts as none. [-]"""
 
 _ROUNDS = 10
+_EVERY = 16
+"""Every so many of the dense states count to the mean pressure."""
 _SEARCHES = 3
 _LARGEST_CHANGE = 5.0
 """Largest factor on the area in one round. [-]"""
@@ -249,8 +251,9 @@ def outlet_balance(history: History) -> OutletBalance:
     """Mean pressure and flows at the outlet over the last revolution of a march."""
     system, condition = history.system, history.system.condition
     description, places = system.description, node_places(system.description, condition)
-    samples = history.states[: max(len(history.states) - 1, 1)]
-    seen = observe(system.arrays, samples)
+    # dense states, so that the orifice does not hang on the samples
+    states = history.states if history.dense is None else history.dense.states[::_EVERY]
+    seen = observe(system.arrays, states[: max(len(states) - 1, 1)])
     pressure = float(seen.pressure[:, description.outlet_node].mean())
     change = history.states[-1] - history.states[0]
     duration = max(float(history.times[-1] - history.times[0]), 1e-300)
