@@ -14,7 +14,7 @@ from toothspace.floating.motion import Loads, StepSettings, state_at
 from toothspace.floating.stack import Stack
 from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     FloatingBearingParameters,
     HousingContactParameters,
     NoseParameters,

@@ -11,8 +11,8 @@ from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.machines.external_gear import loads
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
+from toothspace.machines.external_gear.gear_faces import lateral_films
 from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.rules import design_checks
@@ -55,7 +55,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     balance = None
     if spec.floating_block is not None:
         # with the bodies that bend, most of the machine's modules
-        from toothspace.machines.external_gear.balance import lateral_balance
+        from toothspace.machines.external_gear.floating.balance import lateral_balance
 
         balance = lateral_balance(assembly, numbering)
     return MachineDescription(

@@ -33,7 +33,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
 )
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
 )
