@@ -210,9 +210,7 @@ def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
 
 def _housing(block: FloatingBlock, share: float) -> HousingContact:
     given = block.keys.housing
-    return HousingContact(
-        share * given.area, given.friction_coefficient, given.breakaway_speed, given.law
-    )
+    return replace(given, area=share * given.area)
 
 
 def _resultant(loads: Sequence[tuple[float, float, float]]) -> AxialForce:
