@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import kept_by_content
-from toothspace.case.study import study_kind
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -77,7 +76,7 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """
     if case.study is not None:
         allowed = "toothspace.studies.run_study for it, or study = None for one run of the case"
-        raise CaseError(f"{case.label}: study: found {study_kind(case.study)!r}, allowed {allowed}")
+        raise CaseError(f"{case.label}: study: found {case.study_kind!r}, allowed {allowed}")
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(case), import_module(case.run.preset.module).simulate
     solution = with_warnings(simulated(run, progress), known_pressure(case))

@@ -16,7 +16,6 @@ import numpy as np
 from toothspace import api
 from toothspace.advice.findings import findings_of, status_line
 from toothspace.case import Case, load_case
-from toothspace.case.study import SweepStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_text
 from toothspace.core.finding import Finding
@@ -372,6 +371,7 @@ def sweep(
         If no point can be run.
     """
     from toothspace.studies.registry import run_study
+    from toothspace.studies.sweep import SweepStudy
 
     study = replace(_as_case(case), study=SweepStudy(vary=vary))
     place = None if folder is None else path_of(folder, "folder", "a folder")

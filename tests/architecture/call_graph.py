@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from tests.architecture.sources import PACKAGE, SOURCES, Source
-from toothspace.case.study import STUDIES
 
 Definition = tuple[str, str]
 """Name of a module and of what it defines."""
@@ -215,8 +214,8 @@ def entry_points(graph: CallGraph) -> list[Definition]:
     found += [*graph.public("toothspace.films.public"), *graph.public("toothspace.elasticity")]
     for module, own in graph.modules.items():
         parts = module.split(".")
-        if module.removeprefix("toothspace.studies.") in STUDIES:
-            found.append((module, "run"))
+        if module.startswith("toothspace.studies.") and "STUDY" in own.definitions:
+            found.append((module, "STUDY"))
         if any(_is_main(statement) for statement in own.tree.body):
             found.append((module, BODY))
         if parts[:2] == ["toothspace", "machines"] and (

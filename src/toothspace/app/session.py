@@ -15,6 +15,8 @@ from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import UNKNOWN, reporting_to
 from toothspace.interactive import Solution, simulate
 from toothspace.library import shipped_folder
+from toothspace.report.study import write_study_report
+from toothspace.studies import StudyResult, run_study
 
 _LONGEST_PATH = 1000
 
@@ -35,7 +37,7 @@ class Session:
         self._stopped = threading.Event()
         self._share, self._text = UNKNOWN, ""
         self._problem = ""
-        self.solution: Solution | None = None
+        self.solution: Solution | StudyResult | None = None
 
     def cases(self) -> dict[str, str]:
         """Titles by name: the files of the folder by their file name, then the shipped cases."""
@@ -106,10 +108,26 @@ class Session:
             "result": None if self.solution is None or running else self.solution._repr_html_(),
         }
 
+    def written(self, ending: str, folder: Path) -> Path:
+        """Write the result as a page (``.html``) or as data (``.nc``) into a folder; its file.
+
+        Raises
+        ------
+        CaseError
+            If there is none.
+        """
+        found, file = self.solution, folder / f"result{ending}"
+        if found is None:
+            raise CaseError("result: found none, allowed after a run")
+        if isinstance(found, Solution):
+            return found.report(file) if ending == ".html" else found.save(file)
+        return write_study_report(found, file) if ending == ".html" else found.save(folder)[0]
+
     def _run(self, case: Case) -> None:
         try:
             with reporting_to(self._report):
-                self.solution = simulate(case, progress=self._report)
+                started = simulate if case.study is None else run_study
+                self.solution = started(case, progress=self._report)
         except ToothspaceError as error:
             self._problem = str(error)
         except KeyboardInterrupt:

@@ -22,7 +22,7 @@ from toothspace.case.fingerprint import kept_by_content
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
-from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, CaseTables
+from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
 from toothspace.core.errors import CaseError
 from toothspace.core.files import named_beside, path_of
 from toothspace.core.keys import (
@@ -68,7 +68,7 @@ class Case(CaseTables):
     film : FilmCase or None
         Stand-alone pad or lateral film.
     study : object or None
-        One of the classes in :mod:`toothspace.case.study`.
+        Keys of one of the modules in :mod:`toothspace.studies`.
     heat : HeatSettings
         Temperatures of oil, bodies and films.
     run : RunSettings
@@ -228,6 +228,11 @@ class Case(CaseTables):
     def machine_type(self) -> str:
         """Name of the machine type, empty without a machine."""
         return MACHINE_KEY.name_of(self.machine)
+
+    @property
+    def study_kind(self) -> str:
+        """Name of the study, empty without one."""
+        return STUDY_KEY.name_of(self.study)
 
     @cached_property
     def machine_spec(self) -> Any:

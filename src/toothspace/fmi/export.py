@@ -14,7 +14,6 @@ import numpy as np
 from toothspace import api
 from toothspace.advice.findings import rule_finding
 from toothspace.case import Case
-from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.files import write_bytes
 from toothspace.core.progress import Progress
@@ -23,7 +22,7 @@ from toothspace.core.units import from_si
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
 from toothspace.fmi.tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
-from toothspace.studies.efficiency_map import map_records
+from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
 from toothspace.studies.points import status_of
 from toothspace.studies.records import Record, Records, failed_count
 from toothspace.studies.study import StudyContext, StudyResult

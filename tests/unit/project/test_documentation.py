@@ -179,10 +179,10 @@ def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
 
 
 def test_every_command_and_study_has_its_page() -> None:
-    from toothspace.case.study import STUDIES
+    from toothspace.core.registry import STUDY_KEYS
 
     assert {p.stem for p in (DOCS / "commands").glob("*.md")} == {*COMMANDS, "index"}
-    assert {p.stem for p in (DOCS / "studies").glob("*.md")} == {*STUDIES, "index"}
+    assert {p.stem for p in (DOCS / "studies").glob("*.md")} == {*STUDY_KEYS, "index"}
 
 
 def test_no_page_is_an_orphan() -> None:
