@@ -8,14 +8,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.api import simulate
 from toothspace.case import Case, load_case
 from toothspace.case.document import text_values
-from toothspace.case.shipped import shipped_case, shipped_cases
+from toothspace.case.shipped import cases, shipped_case
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import UNKNOWN, reporting_to
-from toothspace.interactive import Solution, simulate
 from toothspace.library import shipped_folder
 from toothspace.report.study import write_study_report
+from toothspace.results.solution import Solution
 from toothspace.studies import StudyResult, run_study
 
 _LONGEST_PATH = 1000
@@ -42,7 +43,7 @@ class Session:
     def cases(self) -> dict[str, str]:
         """Titles by name: the files of the folder by their file name, then the shipped cases."""
         own = {path.name: f"file in {self.folder.name}" for path in self.folder.glob("*.toml")}
-        return {**dict(sorted(own.items())), **shipped_cases()}
+        return {**dict(sorted(own.items())), **cases()}
 
     def tables(self, name: str) -> dict[str, Any]:
         """Keys of a case that is listed, as tables with texts for quantities.
@@ -72,7 +73,7 @@ class Session:
             place = (self.folder / text).resolve()
             if place.exists() and not any(place.is_relative_to(home) for home in homes):
                 raise CaseError(f"case: {key}: found {text!r}, allowed a file in {self.folder}")
-        return Case.from_dict(tables, self.folder)
+        return Case.from_dict(tables, self.folder).check()
 
     def start(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Run a case; returns the state.

@@ -79,14 +79,14 @@ def run(
     target = require_writable(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
-    from toothspace import interactive
-    from toothspace.advice.findings import status_line
+    from toothspace import api
+    from toothspace.core.finding import status_line
     from toothspace.run.interfaces import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:
         with named(case_file), output.progress(case.title) as progress:
-            solution = interactive.simulate(case, progress=progress)
+            solution = api.simulate(case, progress=progress)
     except KeyboardInterrupt:
         output.message(f"{case_file}: interrupted before there was a result")
         return INTERRUPTED
@@ -282,10 +282,10 @@ def fmu(
     """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
     target = require_writable(unit, "-o", replace=force, endings=(".fmu",))
     case = load(case_file, overrides)
-    from toothspace.fmi.export import export_fmu
+    from toothspace.fmi.export import write_fmu
 
     with named(case_file), output.progress(case.title) as progress:
-        result = export_fmu(
+        result = write_fmu(
             case,
             target,
             pressures=_positive("--pressure", pressure, "bar"),

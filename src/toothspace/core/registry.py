@@ -1,4 +1,4 @@
-"""Machine types and studies by name: built in, or shipped by others through entry points."""
+"""What is found by name: machine types, studies, and views of a result from rooms above it."""
 
 from __future__ import annotations
 
@@ -134,3 +134,20 @@ STUDY_KEYS = Declared(
     study_modules, lambda module: module.STUDY.keys if hasattr(module, "STUDY") else None
 )
 """Class of the keys ``[study]`` of every study."""
+
+
+VIEWS: Mapping[str, str] = {
+    "case": "toothspace.api:case_of",
+    "machine": "toothspace.api:machine_of",
+    "findings": "toothspace.advice.findings:findings_of",
+    "figures": "toothspace.plotting.catalogue:available_figures",
+    "report": "toothspace.report:write_report",
+    "card": "toothspace.report.card:solution_card",
+}
+"""Functions of a solution in rooms above the results, which therefore import none of them."""
+
+
+def view(name: str) -> Any:
+    """Return a function of :data:`VIEWS`, imported on first use."""
+    module, _, function = VIEWS[name].partition(":")
+    return getattr(import_module(module), function)

@@ -17,6 +17,7 @@ STEADY = (
     "outlet_pressure_bar", "shaft_power_W", "hydraulic_power_W", "power_loss_W",
     "inlet_temperature_degC", "outlet_temperature_degC", "drain_temperature_degC",
     "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
+    "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
     "bearing_position_um", *LATERAL,
 )  # fmt: skip
 """Of a run at an operating point; films add some."""
@@ -30,7 +31,7 @@ OVER_TIME = (
     "loss_energy_J", "real_time_factor",
 )  # fmt: skip
 """Of a run with a circuit."""
-BY_LABEL = ("leakage_", "torque_loss_", "power_loss_")
+BY_LABEL = ("leakage_", "pressure_leakage_", "drag_leakage_", "torque_loss_", "power_loss_")
 """Beginnings of the names that end with a path or a mechanism of the machine."""
 
 

@@ -27,9 +27,9 @@ from toothspace.results.solution import Solution
 from toothspace.studies.keys import PRESSURE
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import collected, operating_values, point, status_of
-from toothspace.studies.records import Record, failed_count
+from toothspace.studies.records import Record
 from toothspace.studies.study import Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import columns, numbers_table, record_arrays
+from toothspace.studies.tabulate import numbers_table, point_lists, record_arrays
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -242,16 +242,11 @@ def _numbers(
         f"mean_{name}_N_m": float(waveforms["mean_torque"].sel(stage=name))
         for name in waveforms["stage"].values
     }
-    found = columns(records)
-    return {
-        **means,
-        "points": len(records),
-        "points_failed": failed_count(records),
+    values = {
         "tip_clearance_um": [1e6 * clearance for clearance, _ in pairs],
         "pressure_difference_bar": [1e-5 * difference for _, difference in pairs],
-        **{name: found[name] for name, _ in _NUMBERS if name in found},
-        "point_status": [r.status for r in records],
     }
+    return {**means, **point_lists(values, records)}
 
 
 TORQUE_STAGES = (

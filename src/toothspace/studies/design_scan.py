@@ -103,7 +103,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         axis.path: column * (to_si(1.0, axis.unit) if axis.unit else 1.0)
         for axis, column in zip(axes, columns, strict=True)
     }
-    designs = api.evaluate_designs(case, varied, study.addendum, study.displacement)
+    designs = api.evaluate_designs(
+        case, varied, addendum=study.addendum, displacement=study.displacement
+    )
     wanted = (study.objective, *(study.constraints or {}))
     for name in wanted:
         if name not in designs.numbers:

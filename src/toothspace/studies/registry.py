@@ -6,17 +6,18 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from toothspace.case import Case
+from toothspace.case import Case, load_case
 from toothspace.core import registry
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
+from toothspace.run.run import provenance_of
 from toothspace.studies.records import FILE_NAME, Records
 from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.workers import Workers
 
 
 def run_study(
-    case: Case,
+    case: Case | str | Path,
     folder: str | Path | None = None,
     *,
     progress: Progress | None = None,
@@ -28,7 +29,7 @@ def run_study(
 
     Parameters
     ----------
-    case : Case
+    case : Case, str or Path
         Case with a table ``[study]``.
     folder : str or Path, optional
         Keeps finished points while the study runs, and the result at its end.
@@ -51,12 +52,12 @@ def run_study(
     CaseError
         If the case asks for the impossible.
     """
-    from toothspace.run.run import provenance_of
-
+    case = load_case(case)
     kind = case.study_kind
     if not kind:
         allowed = "a table [study] with its kind"
         raise CaseError(f"{case.label}: study: found nothing, allowed {allowed}")
+    case.check()
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
     try:

@@ -21,7 +21,13 @@ from toothspace.core.keys import (
 from toothspace.core.types import Array
 from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import BLUE, GREEN, ORANGE, new_figure, styled
-from toothspace.results.ripple import PulsationSource, harmonics, pulsation_source, working_side
+from toothspace.results.ripple import (
+    PulsationSource,
+    harmonics,
+    pulsation_source,
+    wave,
+    working_side,
+)
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record
 from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
@@ -116,9 +122,9 @@ class PortHarmonics:
         solution = api.simulate(case)
         data, teeth = solution.data, api.describe(case).families[0].count
         orders = teeth * np.arange(1.0, self.count + 1)
-        angle, side = np.asarray(data["shaft_angle"]), working_side(data)
-        pressure = harmonics(angle, np.asarray(data[f"{side}_pressure"]), orders)
-        flow = harmonics(angle, np.asarray(data["line_flow_rate"]), orders)
+        side = working_side(data)
+        pressure = harmonics(*wave(data, f"{side}_pressure"), orders)
+        flow = harmonics(*wave(data, "line_flow_rate"), orders)
         flow *= -1.0 if side == "inlet" else 1.0
         return {
             "teeth": teeth,

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from toothspace.case import Case
+from toothspace import api
+from toothspace.case import Case, load_case
+from toothspace.core.files import path_of
 from toothspace.core.keys import (
     KeyTable,
     choice,
@@ -15,6 +18,7 @@ from toothspace.core.keys import (
     integer,
     require,
 )
+from toothspace.core.progress import Progress
 from toothspace.plotting.panels import (
     StudyFigure,
     key_title,
@@ -26,6 +30,7 @@ from toothspace.plotting.panels import (
 from toothspace.plotting.style import BLUE, styled
 from toothspace.studies.keys import VARY, check_vary
 from toothspace.studies.points import collected, point, status_of
+from toothspace.studies.registry import run_study
 from toothspace.studies.study import Study, StudyContext, StudyResult
 from toothspace.studies.tabulate import point_lists, points_dataset, points_table
 from toothspace.studies.variation import axes_of, grid, samples, written_values
@@ -138,3 +143,44 @@ def scatter(data: xr.Dataset, path: str) -> Figure:
 
 
 STUDY = Study(SweepStudy, run, figures)
+
+
+def sweep(
+    case: api.AnyCase,
+    vary: Mapping[str, Any],
+    *,
+    workers: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Run a case at all combinations of values; the last key runs fastest.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case with an operating point or a circuit; its own study does not count.
+    vary : mapping of key path to values
+        Lists, or ``{"from": ..., "to": ..., "count": ...}``; values as in a case file.
+    workers : int
+        Processes.
+    folder : str or Path, optional
+        Folder of the results; finished points found there are not run again.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    StudyResult
+        Summary numbers over ``point`` in ``data``.
+
+    Raises
+    ------
+    CaseError
+        If no point can be run.
+    """
+    study = replace(load_case(case), study=SweepStudy(vary=vary))
+    place = None if folder is None else path_of(folder, "folder", "a folder")
+    resume = place is not None and place.is_dir()
+    return run_study(
+        study, place, progress=progress, workers=api.process_count(workers), resume=resume
+    )

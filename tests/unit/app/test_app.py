@@ -15,7 +15,7 @@ import pytest
 from toothspace.app.server import FormServer
 from toothspace.app.session import Session
 from toothspace.case import Case, load_case
-from toothspace.case.shipped import shipped_cases
+from toothspace.case.shipped import cases
 from toothspace.core.netcdf import read_dataset
 
 pytestmark = pytest.mark.unit
@@ -76,7 +76,7 @@ def test_form_is_served_to_this_computer_alone(server: FormServer) -> None:
 
 def test_listed_cases_open_as_they_are(server: FormServer) -> None:
     listed = json.loads(_ask(server, "/cases")[1])
-    assert list(listed) == ["own.toml", *shipped_cases()]
+    assert list(listed) == ["own.toml", *cases()]
     for name in ("own.toml", "startup_fan_drive"):
         tables = json.loads(_ask(server, "/case", query=f"&name={name}")[1])
         expected = load_case(server.session.folder / name if "." in name else name)

@@ -79,7 +79,7 @@ def test_rules_between_keys_hold_in_python(motor: Case) -> None:
     with pytest.raises(ts.CaseError, match="exactly one of"):
         dataclasses.replace(motor, operating_point=None)
     with pytest.raises(ts.CaseError, match=r"machine.journal_bearings.diameter: found 30 mm"):
-        motor.replace({"machine.journal_bearings.diameter": "30 mm"})
+        motor.replace({"machine.journal_bearings.diameter": "30 mm"}).check()
 
 
 def test_what_is_derived_cannot_be_replaced(motor: Case) -> None:
