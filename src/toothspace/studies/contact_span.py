@@ -145,17 +145,16 @@ class ContactNumbers:
     def __call__(self, case: Case) -> Mapping[str, Any]:
         """Span, teeth loaded, forces and torques beside the summary numbers."""
         from toothspace import api
-        from toothspace.results.tooth_contacts import tooth_forces
 
         solution = api.simulate(case)
-        found = tooth_forces(solution.data, api.describe(case))
-        loaded = found.loaded(self.share)
+        found = solution.tooth_contacts()
+        loaded = found.loaded_above(self.share)
         mechanisms = [str(name) for name in solution.data["mechanism"].values]
         means = np.asarray(solution.data["torque_loss"]).mean(axis=0)
         losses = dict(zip(mechanisms, means, strict=True))
         contact = losses.pop(_MECHANISM)
         return {
-            "span_pitches": found.span(self.share),
+            "span_pitches": found.span_above(self.share),
             "least_teeth_loaded": int(loaded.min()),
             "most_teeth_loaded": int(loaded.max()),
             "mean_contact_force_N": found.mean_total,
@@ -171,13 +170,12 @@ def _waveforms(case: Case) -> xr.Dataset:
     import xarray as xr
 
     from toothspace import api
-    from toothspace.results.tooth_contacts import tooth_forces
 
     complete = api.simulate(case.at_point({}))
     ideal = api.simulate(case.at_point({"run.fidelity": "ideal"}))
     single = api.simulate(case.at_point({_THEORY: "single"}))
     angle = _last_turn(complete)
-    found = tooth_forces(complete.data, api.describe(case))
+    found = complete.tooth_contacts()
     friction = np.asarray(complete.data["torque_loss"].sel(mechanism=_MECHANISM))
     torque = np.asarray(complete.data["shaft_torque"])
     torques = {
