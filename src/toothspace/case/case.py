@@ -271,7 +271,7 @@ class Case(CaseTables):
         # files that change from now on change neither the machine nor the hash
         if was_hashed and self._hashed() != self.hash:
             found = "files that have changed since the case was hashed"
-            raise CaseError(f"{self.label}: machine", found, "a case read anew")
+            raise CaseError("machine", found, "a case read anew").in_file(self.label)
         _ = self.hash
         return spec
 

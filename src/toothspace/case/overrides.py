@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from toothspace.core.errors import CaseError, joined
-from toothspace.core.keys import KeyTable
+from toothspace.core.keys import is_table
 
 CONDITIONS = ("operating_point", "circuit", "bearing", "film")
 """Tables of which a case has exactly one."""
@@ -72,7 +72,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
 
 def _with(table: Any, path: str, value: Any, above: str = "") -> Any:
-    if isinstance(table, KeyTable):
+    if is_table(table):
         found = f"{joined(above, path)} below an object"
         raise CaseError(joined(above, path), found, "a path through tables")
     if not isinstance(table, Mapping):
