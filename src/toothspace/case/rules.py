@@ -45,9 +45,9 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
         found = f"a table [heat] with [{given[0]}] and fidelity {case.run.fidelity!r}"
         allowed = "[operating_point] and fidelity 'lumped', 'films' or 'elastic'"
         yield Problem("heat", found, allowed)
-    elif case.heat.model == "coupled" and case.run.fidelity == "elastic":
-        found = "'coupled' with fidelity 'elastic'"
-        yield Problem("heat.model", found, "'network'; run.film_oil_share warms its lateral films")
+    elif case.heat.model == "coupled" and case.run.film_oil_share > 0.0:
+        found = f"{case.run.film_oil_share:g} with heat.model = 'coupled'"
+        yield Problem("run.film_oil_share", found, "0: the heat network warms the lateral films")
     if case.fluid is not None:
         yield from _fluid(case)
     if case.operating_point is not None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from toothspace.case import Case
 from toothspace.core.progress import Progress
 from toothspace.results.solution import Solution
-from toothspace.simulation.heating import lateral_heating, with_temperatures
+from toothspace.simulation.heating import lateral_heating, run_with_heat
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.coupling import PointRequest
 from toothspace.simulation.lateral.problem import LateralSettings, balance_of, require_floating_part
@@ -19,15 +21,15 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
     machine = run_in_machine(setup, progress)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
-    found = coupled_solution(
+    return coupled_solution(
         machine.description,
         machine.fluid,
         machine.at(condition, progress),
         request,
         case.run.film_steps_per_revolution,
         progress,
+        heated=partial(run_with_heat, case),
     )
-    return with_temperatures(case, machine.description, found)
 
 
 def lateral_settings(case: Case) -> LateralSettings:
