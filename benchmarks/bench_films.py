@@ -2,15 +2,14 @@
 
     python -m benchmarks films
 
-Every time is the best of several runs after a warm-up; ``TOOTHSPACE_THREADS`` sets the threads
-of the multigrid cycle. Peers that are not installed are named as missing.
+Every time is the best of several runs after a warm-up. Peers that are not installed are named as
+missing.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -18,28 +17,15 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from toothspace.core.compiled import njit
-from toothspace.core.processes import threads
 from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
 from toothspace.films.reynolds.equation import film_balance
+from toothspace.numerics.block_elimination import BlockSystem, block_system
 from toothspace.numerics.complementarity import assemble
-from toothspace.numerics.linear_system import (
-    PRESCRIBED,
-    SATURATED,
-    IterativeSystem,
-    iterative_system,
-)
-from toothspace.numerics.multigrid import MultigridPreconditioner
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
 from toothspace.numerics.structured_grid import CellBalance
 
-SIZES = ((480, 64), (960, 128), (1600, 192), (2000, 500))
+SIZES = ((480, 64), (960, 128), (1600, 192))
 """Grids of the masked lateral film."""
-BYTES_PER_ITERATION = 317.0
-"""Counted traffic per cell: 67 in the cycle (24 down and 24 up, 1.4 with the coarser levels), 56 in
-the product, 194 in vectors."""
-BYTES_PER_PROJECTION = 40.0
-"""Counted traffic per cell to make a new vector of the Krylov space orthogonal to an older one."""
-BYTES_OF_SYSTEM, BYTES_PER_STEP = 80.0, 16.0
-"""Memory per cell: matrix, kinds and levels, and what the Krylov space keeps of an iteration."""
 
 
 def best(run: Callable[[], object], repeats: int = 7) -> float:
@@ -134,11 +120,11 @@ def right_side(balance: CellBalance, free: np.ndarray) -> tuple[np.ndarray, np.n
     return stencil, np.where(free.ravel(), rhs, 0.0)
 
 
-def multigrid_system(
-    balance: CellBalance, stencil: np.ndarray, free: np.ndarray
-) -> IterativeSystem:
-    """The system that runs set up on fine grids."""
-    return iterative_system(balance, stencil, np.where(free, SATURATED, PRESCRIBED))
+def eliminated(stencil: np.ndarray, free: np.ndarray) -> BlockSystem:
+    """The system that a film on compliant faces sets up."""
+    system = block_system(stencil, np.where(free, SATURATED, PRESCRIBED))
+    assert system is not None
+    return system
 
 
 def sparse_matrix(stencil: np.ndarray, free: np.ndarray) -> sp.csr_matrix:
@@ -154,31 +140,21 @@ def sparse_matrix(stencil: np.ndarray, free: np.ndarray) -> sp.csr_matrix:
     return whole[keep][:, keep].tocsr()
 
 
-class Counted:
-    """A preconditioner that counts how often it is applied."""
-
-    def __init__(self, preconditioner: MultigridPreconditioner) -> None:
-        self.preconditioner, self.count = preconditioner, 0
-
-    def apply(self, rhs: np.ndarray) -> np.ndarray:
-        self.count += 1
-        return self.preconditioner.apply(rhs)
-
-
-def multigrid_time(
-    balance: CellBalance, stencil: np.ndarray, free: np.ndarray, rhs: np.ndarray
+def film_times(
+    stencil: np.ndarray, free: np.ndarray, rhs: np.ndarray
 ) -> tuple[float, float, float, int]:
-    system = multigrid_system(balance, stencil, free)
-    counted = Counted(system.multigrid)
-    field = replace(system, multigrid=counted).solve(rhs, None, 1e-8)  # type: ignore[arg-type]
-    setup = best(lambda: multigrid_system(balance, stencil, free), 3)
+    """Set-up, solution and solution from a former one [ms], and iterations [-]."""
+    system = eliminated(stencil, free)
+    field = system.solve(rhs, None, 1e-8)
+    count = system.effort
+    setup = best(lambda: eliminated(stencil, free), 3)
     solve = best(lambda: system.solve(rhs, None, 1e-8), 5)
     warm = best(lambda: system.solve(1.01 * rhs, field, 1e-8), 5)
-    return setup, solve, warm, counted.count
+    return setup, solve, warm, count
 
 
 def peers(matrix: sp.csr_matrix, b: np.ndarray, own: float) -> None:
-    print(f"  own multigrid, setup and solution  {own:8.0f}    times own")
+    print(f"  own blocks, setup and solution     {own:8.0f}    times own")
     columns = matrix.tocsc()
     for name, order, options in (
         ("SciPy SuperLU as it stands", "COLAMD", {}),
@@ -211,27 +187,16 @@ def peers(matrix: sp.csr_matrix, b: np.ndarray, own: float) -> None:
         print(f"  MKL Pardiso                        {pardiso:8.0f} {pardiso / own:8.1f}")
 
 
-def bandwidths(cells: int, count: int, milliseconds: float) -> tuple[float, float]:
-    """What a solution of some iterations moves, and what a triad of its size moves. [GB/s]."""
-    moved = count * (BYTES_PER_ITERATION + BYTES_PER_PROJECTION * (count + 1) / 2.0)
-    triad = bandwidth(int((BYTES_OF_SYSTEM + BYTES_PER_STEP * count) * cells / 24.0))
-    return 1e-6 * cells * moved / milliseconds, triad
-
-
 def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
-    print(
-        f"Masked lateral film, residual 1e-8, threads: {threads()}; a triad of the same size, one"
-    )
-    print("      cells   setup   solve    warm  iterations  us/cell  GB/s  triad  fraction")
+    print("Masked lateral film, residual 1e-8")
+    print("      cells   setup   solve    warm  iterations  us/cell")
     for rows, lanes in sizes:
         balance, free = toothed_film(rows, lanes)
         stencil, rhs = right_side(balance, free)
-        setup, solve, warm, count = multigrid_time(balance, stencil, free, rhs)
-        traffic, triad = bandwidths(free.size, count, solve)
+        setup, solve, warm, count = film_times(stencil, free, rhs)
         print(
             f"  {free.size:9d} {setup:7.1f} {solve:7.1f} {warm:7.1f} {count:11d} "
-            f"{1e3 * (setup + solve) / free.size:8.2f} {traffic:5.1f} {triad:6.1f} "
-            f"{traffic / triad:9.2f}"
+            f"{1e3 * (setup + solve) / free.size:8.2f}"
         )
         if free.size == 122880:
             peers(sparse_matrix(stencil, free), rhs[free.ravel()], setup + solve)

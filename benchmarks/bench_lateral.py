@@ -26,16 +26,15 @@ from unittest.mock import patch
 
 import numpy as np
 
-from toothspace.api import set_up
+from toothspace import api
 from toothspace.case import Case, load_case
 from toothspace.core.processes import threads
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
 from toothspace.films.lateral.motion import Balance
-from toothspace.simulation.elastic import lateral_settings
+from toothspace.run.elastic import lateral_settings
+from toothspace.run.run import Run
 from toothspace.simulation.lateral.coupling import PointRequest, couple_point
 from toothspace.simulation.lateral.problem import LateralProblem, LateralTrack, lateral_problem
-from toothspace.simulation.lumped import RunInMachine, run_in_machine
-from toothspace.simulation.setup import condition_of
 
 CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
 GRIDS = ((280, 26), (560, 52), (812, 74))
@@ -55,7 +54,7 @@ class Setting:
     """Machine of the case with its chamber pressures, and the equilibrium of its bearing."""
 
     case: Case
-    machine: RunInMachine
+    run: Run
     data: object
     settled: Balance
 
@@ -63,23 +62,22 @@ class Setting:
         settings = replace(
             lateral_settings(self.case), grid=grid, angles=1, deformation=deformation
         )
-        return lateral_problem(self.machine.description, self.machine.fluid, self.data, settings)
+        return lateral_problem(self.run.machine, self.run.fluid, self.data, settings)
 
 
 def prepare() -> Setting:
     """Chamber pressures and equilibrium of the bearing that agree, on the grid of the case."""
     case = load_case(CASE, ["run.max_revolutions=3"])
-    machine = run_in_machine(set_up(case))
-    condition = condition_of(case, machine.description)
+    run = api.prepare(case).worn().with_films()
     point = couple_point(
-        machine.description,
-        machine.fluid,
-        machine.at(condition),
+        run.machine,
+        run.fluid,
+        run.repeated(),
         PointRequest(settings=lateral_settings(case), start=START),
     )
     if not (point.equilibrium.settled and point.agreed):
         raise RuntimeError("films and chambers do not agree where the benchmark begins")
-    return Setting(case, machine, point.solution.data, point.equilibrium.balance)
+    return Setting(case, run, point.solution.data, point.equilibrium.balance)
 
 
 @dataclass(frozen=True)
@@ -153,7 +151,7 @@ def report(grids: tuple[tuple[int, int], ...] = GRIDS) -> None:
 
 def fine_body(name: str) -> ElasticBody:
     """Body of the pump with at least the wanted number of elements."""
-    balance = run_in_machine(set_up(load_case(CASE))).description.lateral_balance
+    balance = api.prepare(load_case(CASE)).machine.lateral_balance
     body = balance.elastic_bodies()[name]
     shape, count, part = body.shape, 0, 1.0
     while count < ELEMENTS:

@@ -4,7 +4,7 @@
 
 Times are the best of several runs after a warm-up, except those of the solid body, which are
 single. Libraries that are not dependencies (pypardiso, scikit-fem, gmsh) are left out where they
-are not installed. ``bench_films`` compares the multigrid, ``bench_lumped`` the integrator.
+are not installed. ``bench_films`` compares finer films, ``bench_lumped`` the integrator.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from scipy.linalg.lapack import dgbtrf, dgbtrs
 from benchmarks.bench_films import (
     bearing,
     best,
-    multigrid_system,
     right_side,
     sparse_matrix,
     toothed_film,
@@ -131,13 +130,10 @@ def face_film() -> None:
     columns = sparse_matrix(stencil, free).tocsc()
     inner = rhs[free.ravel()]
     print(f"Lateral film, {free.size} cells, {free.sum()} free, factor and solve; solve again")
-    blocks, multigrid = block_system(stencil, kind), multigrid_system(balance, stencil, free)
+    blocks = block_system(stencil, kind)
     again = best(lambda: blocks.solve(rhs, None, 1e-8))
     first = best(lambda: block_system(stencil, kind).solve(rhs, None, 1e-8))
     line("own block elimination", first, f"{again:.3g} ms")
-    again = best(lambda: multigrid.solve(rhs, None, 1e-8))
-    first = best(lambda: multigrid_system(balance, stencil, free).solve(rhs, None, 1e-8))
-    line("own multigrid", first, f"{again:.3g} ms")
     order: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
     factors = spl.splu(columns, **order)
     again = best(lambda: factors.solve(inner))

@@ -31,8 +31,6 @@ from toothspace.core.compilation.records import RecordAddress, pack
 from toothspace.core.compiled import njit
 from toothspace.model.assembly import System, assemble
 from toothspace.model.system import error_weights, right_hand_side
-from toothspace.simulation.running_in import run_in
-from toothspace.simulation.setup import condition_of
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.integrator import start_march
@@ -63,9 +61,8 @@ class Problem:
 
     def __init__(self, path: Path = CASE, overrides: tuple[str, ...] = ()) -> None:
         case = api.load_case(path, overrides)
-        description = run_in(api.set_up(case)).description
-        self.fluid, self.description = api.fluid_of(case), description
-        self.condition = condition_of(case, description)
+        run = api.prepare(case).worn()
+        self.fluid, self.description, self.condition = run.fluid, run.machine, run.condition
         self.system = assemble(self.description, self.fluid, self.condition)
         history = march_revolutions(self.system, RunPlan(samples_per_revolution=SAMPLES))
         self.revolutions_to_cyclic = history.revolutions

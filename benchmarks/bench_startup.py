@@ -16,8 +16,6 @@ import numpy as np
 from benchmarks.bench_lumped import Problem, run_cvode, run_package
 from toothspace import api
 from toothspace.model.assembly import assemble
-from toothspace.simulation.running_in import run_in
-from toothspace.simulation.setup import circuit_condition
 from toothspace.solver.transient import TimePlan, TransientMarch
 
 CASE = Path(__file__).resolve().parents[1] / "cases" / "startup_fan_drive.toml"
@@ -32,9 +30,8 @@ class RunningMotor(Problem):
 
     def __init__(self) -> None:
         case = api.load_case(CASE, [PLATEAU])
-        self.description = run_in(api.set_up(case)).description
-        self.fluid = api.fluid_of(case)
-        rest = circuit_condition(case, self.description, self.fluid)
+        run = api.prepare(case).worn()
+        self.description, self.fluid, rest = run.machine, run.fluid, run.condition
         march = TransientMarch(assemble(self.description, self.fluid, rest), TimePlan(SETTLED, 400))
         for _, states in march.chunks():
             self.start = states[-1].copy()

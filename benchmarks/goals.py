@@ -102,21 +102,6 @@ def loop() -> Row:
     )
 
 
-def film() -> Row:
-    """Set-up and solution of the face film, and what they move over what memory can move."""
-    balance, free = bench_films.toothed_film(960, 128)
-    stencil, rhs = bench_films.right_side(balance, free)
-    setup, solve, _, count = bench_films.multigrid_time(balance, stencil, free, rhs)
-    moved, possible = bench_films.bandwidths(free.size, count, solve)
-    share = moved / possible
-    return (
-        "face film of 122 880 cells: set-up and solution; share of the memory bandwidth",
-        "12 ms; 0.9",
-        f"{setup + solve:.0f} ms; {share:.2f}",
-        setup + solve <= 12.0 and share >= 0.9,
-    )
-
-
 def journal() -> Row:
     """Mass-conserving journal films."""
     asked, found = (2.5, 7.0, 35.0), []
@@ -180,7 +165,6 @@ PARTS: dict[str, Callable[[], Row]] = {
     "cycle": cycle,
     "bodies": bodies,
     "loop": loop,
-    "film": film,
     "journal": journal,
     "equilibrium": equilibrium,
     "map": efficiency_map,

@@ -20,7 +20,7 @@ import signal
 import time
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing import connection, get_context
 from pathlib import Path
@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.api import set_up, simulate
+from toothspace.api import prepare, simulate
 from toothspace.case import Case
 from toothspace.case.document import document_text
 from toothspace.core.errors import CaseError
@@ -187,7 +187,7 @@ def first_case(seed: int) -> tuple[str, Case]:
     for text in designs(seed):
         with suppress(CaseError):
             case = Case.from_toml(text, CASES)
-            set_up(case)
+            prepare(case)
             return text, case
     raise CaseError(f"design {seed}: found none that can be built in {_TRIES} draws")
 
@@ -265,7 +265,9 @@ def report(rows: list[dict[str, Any]]) -> None:
     print(f"to look at: {[row['seed'] for row in rows if row not in finished or not good(row)]}")
 
 
-def finished_rows(seeds: list[int], workers: int, limit: int) -> Iterator[dict[str, Any]]:
+def finished_rows(
+    seeds: list[int], workers: int, limit: int, row: Callable[[int], dict[str, Any]]
+) -> Iterator[dict[str, Any]]:
     """Rows in the order in which designs end, each in a process that may compute so long. [s]."""
     fork = get_context("fork")
     waiting, running = seeds[::-1], dict[Any, Any]()
@@ -273,7 +275,7 @@ def finished_rows(seeds: list[int], workers: int, limit: int) -> Iterator[dict[s
         while waiting and len(running) < workers:
             ours, theirs = fork.Pipe(duplex=False)
             seed = waiting.pop()
-            process = fork.Process(target=send_row, args=(theirs, seed, limit))
+            process = fork.Process(target=send_row, args=(theirs, seed, limit, row))
             process.start()
             theirs.close()
             running[ours] = seed, process
@@ -288,15 +290,15 @@ def finished_rows(seeds: list[int], workers: int, limit: int) -> Iterator[dict[s
             process.join()
 
 
-def send_row(pipe: Any, seed: int, limit: int) -> None:
+def send_row(pipe: Any, seed: int, limit: int, row: Callable[[int], dict[str, Any]]) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
-    pipe.send(row_of(seed))
+    pipe.send(row(seed))
 
 
-def append(row: dict[str, Any], path: Path) -> None:
+def append(row: dict[str, Any], path: Path, columns: Sequence[str] = _COLUMNS) -> None:
     begins = not path.exists()
     with path.open("a", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, _COLUMNS)
+        writer = csv.DictWriter(file, columns)
         if begins:
             writer.writeheader()
         writer.writerow(row)
@@ -335,7 +337,7 @@ def main() -> None:
     rows = read(given.output)
     known = {row["seed"] for row in rows}
     seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
-    for row in finished_rows(seeds, given.workers, given.limit):
+    for row in finished_rows(seeds, given.workers, given.limit, row_of):
         rows.append(row)
         append(row, given.output)
     report(rows)

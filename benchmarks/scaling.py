@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 import toothspace as ts
-from benchmarks.bench_films import SIZES, multigrid_system, right_side, toothed_film
+from benchmarks.bench_films import SIZES, eliminated, right_side, toothed_film
 from toothspace.core.processes import start_worker
 from toothspace.studies import run_study
 
@@ -80,7 +80,7 @@ def _film(grid: tuple[int, int]) -> tuple[int, float, float]:
 def _film_seconds(grid: tuple[int, int]) -> float:
     balance, free = toothed_film(*grid)
     stencil, rhs = right_side(balance, free)
-    return best(lambda: multigrid_system(balance, stencil, free).solve(rhs, None, 1e-8))
+    return best(lambda: eliminated(stencil, free).solve(rhs, None, 1e-8))
 
 
 def best(run: Callable[[], object], repeats: int = 3) -> float:

@@ -51,15 +51,15 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "interactive.py", "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
-        "machines/external_gear/trapping.py", "machines/external_gear/elastic_assembly.py",
+        "advice/trapping.py", "machines/external_gear/elastic_assembly.py",
     ),
     "mixing, roots, splines, second core": (
         *(f"numerics/{name}.py" for name in ("acceleration", "parallel", "roots", "spline")),
     ),
     "form in the browser": ("app/*",),
     "kinematics of many designs at once": (
-        "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
-        "studies/design_scan.py",
+        "gearing/design_values.py", "geometry/*_designs.py", "advice/gear_designs.py",
+        "machines/external_gear/designs.py", "studies/design_scan.py",
     ),
     "lateral films looked up at every instant": (
         "model/lateral_lo*.py", "model/lateral_table.py", "solver/lateral_lookup.py",
@@ -70,7 +70,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
     "bearing blocks that follow their load": ("model/free_motions.py",),
-    "design rules of ways from port to port": ("gearing/short_circuit.py",),
+    "design rules of cross-port leakage": ("advice/short_circuit.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""

@@ -35,8 +35,6 @@ from toothspace.model.jacobian import fill_jacobian
 from toothspace.model.system import finish_step, right_hand_side, update_tables
 from toothspace.numerics.ndf_types import NdfState
 from toothspace.numerics.static_lu import factorise, solve
-from toothspace.simulation.running_in import run_in
-from toothspace.simulation.setup import circuit_condition, condition_of
 from toothspace.solver import transient
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.integrator import March, Piece, start_march
@@ -189,11 +187,12 @@ class Prepared:
 def prepare(task: Task) -> Prepared:
     """Set a task up; a steady one is marched to its cyclic state first."""
     case = api.load_case(CASES / f"{task.case}.toml", task.overrides)
-    description, fluid = run_in(api.set_up(case)).description, api.fluid_of(case)
+    run = api.prepare(case).worn()
+    description, fluid = run.machine, run.fluid
     if task.duration:
-        system = assemble(description, fluid, circuit_condition(case, description, fluid))
+        system = assemble(description, fluid, run.condition)
         return Prepared(task, system, np.zeros(0), task.duration)
-    condition = replace(condition_of(case, description), relative_tolerance=TOLERANCE)
+    condition = replace(run.condition, relative_tolerance=TOLERANCE)
     system = assemble(description, fluid, condition)
     start = march_revolutions(system, RunPlan()).states[0].copy()
     start[system.arrays.size.core :] = 0.0

@@ -14,8 +14,8 @@ from matplotlib.colors import LogNorm
 
 from toothspace import api
 from toothspace.plotting.style import styled
+from toothspace.run.condition import condition_of, fluid_of
 from toothspace.simulation.lateral.between_covers import BodiesBetweenCovers, bodies_between_covers
-from toothspace.simulation.setup import condition_of, fluid_of
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 GRID = (126, 20)

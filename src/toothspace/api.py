@@ -5,11 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.study import study_kind
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -20,8 +22,8 @@ from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
-from toothspace.simulation import run
-from toothspace.simulation.setup import Setup, fluid_of, known_pressure
+from toothspace.run.condition import condition_of, fluid_of, known_pressure
+from toothspace.run.run import Run
 
 if TYPE_CHECKING:
     from toothspace.core.types import Array
@@ -51,35 +53,41 @@ def evaluate_designs(
     return shared_designs.evaluate_designs(*fixed, varied, addendum, displacement)
 
 
-def set_up(case: Case) -> Setup:
-    """Machine and fluid of a case, ready to be simulated.
+def prepare(case: Case) -> Run:
+    """Machine, fluid and condition of a case, ready to be run.
 
     Raises
     ------
     CaseError
         If the case has no machine, no fluid or no condition.
     """
-    if case.operating_point is None and case.circuit is None:
-        allowed = "a case with an [operating_point] or a [circuit]"
-        raise CaseError(f"operating_point: found none, allowed {allowed}")
-    return Setup(case, describe(case), fluid_of(case))
+    machine, fluid = describe(case), fluid_of(case)
+    return Run(case, machine, fluid, condition_of(case, machine, fluid))
 
 
 def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """Run a case and return its solution; a numerical failure is a status of it.
 
     ``progress`` is called with the finished share and a short text.
+
+    Raises
+    ------
+    CaseError
+        If the case has a study, which asks for more than one run, or for the impossible.
     """
+    if case.study is not None:
+        allowed = "toothspace.studies.run_study for it, or study = None for one run of the case"
+        raise CaseError(f"{case.label}: study: found {study_kind(case.study)!r}, allowed {allowed}")
     started, compiled = time.perf_counter(), compile_seconds()
-    setup = set_up(case)
-    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup))
-    if setup.description.as_drawn:
+    run, simulated = prepare(case), import_module(case.run.preset.module).simulate
+    solution = with_warnings(simulated(run, progress), known_pressure(case))
+    if run.machine.as_drawn:
         try:
-            drawn = set_up(case.replace(setup.description.as_drawn))
+            drawn = prepare(case.replace(run.machine.as_drawn))
         except CaseError as error:
             solution = solution.with_note(f"Flanks as in the file cannot be computed with: {error}")
         else:
-            solution = with_interval(solution, run.simulate(drawn, None))
+            solution = with_interval(solution, simulated(drawn, None))
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
     return solution.with_note(wall_time=wall, compile_time=compiling)
@@ -95,7 +103,7 @@ def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exc
 
 def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
     """As :func:`solve_film` for ``[bearing]``; forces and torques act on the shaft by the film."""
-    from toothspace.simulation.stand_alone import solve
+    from toothspace.run.stand_alone import solve
 
     return solve(case, case.bearing, describe, fields)
 
@@ -106,7 +114,7 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     The load of a pad is that of the pressure above ambient. ``fields`` names a file for the
     fields, NetCDF (.nc) or VTK (.vts); one per body of a machine.
     """
-    from toothspace.simulation.stand_alone import solve
+    from toothspace.run.stand_alone import solve
 
     return solve(case, case.film, describe, fields)
 
@@ -117,7 +125,7 @@ __all__ = [
     "evaluate_designs",
     "fluid_of",
     "load_case",
-    "set_up",
+    "prepare",
     "simulate",
     "simulate_all",
     "solve_bearing",

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from toothspace.case import Case
+from toothspace.case.presets import INTERFACES, MODELS, PRESETS
 from toothspace.core import keys
 from toothspace.core.units import format_si
 from toothspace.results import variables
-from toothspace.simulation.presets import INTERFACES, MODELS, PRESETS
 
 FOLDER = Path(__file__).parents[2] / "docs" / "reference"
 COMMAND = "python -m tests.architecture.reference_pages"

@@ -122,7 +122,7 @@ def test_similar_machines_have_similar_cycles(name: str) -> None:
 def test_pairs_of_teeth_share_load_alike_at_every_size() -> None:
     """Flanks without a closed path of contact count as touching by a gap that grows with them."""
     one, two = (
-        api.set_up(sized("crescent_pump", factor)).description.contacts[0].geometry.values[:, 1]
+        api.prepare(sized("crescent_pump", factor)).machine.contacts[0].geometry.values[:, 1]
         for factor in (1.0, 2.0)
     )
     np.testing.assert_allclose(two, one, atol=1e-9)
@@ -130,7 +130,7 @@ def test_pairs_of_teeth_share_load_alike_at_every_size() -> None:
 
 def test_flanks_may_touch_at_every_size() -> None:
     """Backlash wider than 0.3 mm: micro-motion closes the gap of the coast flank too."""
-    small, large = (api.set_up(sized("egm12_pump", factor)).description for factor in (1.0, 6.0))
+    small, large = (api.prepare(sized("egm12_pump", factor)).machine for factor in (1.0, 6.0))
     for one, two in zip(small.contacts, large.contacts, strict=True):
         tables = [
             compliant_table(contact, np.eye(len(small.motions))).values for contact in (one, two)

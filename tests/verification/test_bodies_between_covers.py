@@ -30,12 +30,12 @@ from toothspace.model.film_faces import (
     RimFilm,
     SharedFaces,
 )
+from toothspace.run.condition import condition_of, fluid_of
 from toothspace.simulation.lateral.between_covers import (
     BodiesBetweenCovers,
     bodies_between_covers,
     cover_stack,
 )
-from toothspace.simulation.setup import condition_of, fluid_of
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, RIM, GAP = 10e-3, 26e-3, 20e-6

@@ -13,7 +13,7 @@ import shapely
 import shapely.affinity
 
 from tests.external_gear_designs import changed, egm12, floating_block
-from toothspace.api import set_up
+from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
@@ -45,11 +45,9 @@ from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.film_faces import FILM
 from toothspace.model.lateral_balance import BodyLoad, LateralBalance
-from toothspace.simulation.elastic import lateral_settings
+from toothspace.run.elastic import lateral_settings
 from toothspace.simulation.lateral.loads import BodyLoads
 from toothspace.simulation.lateral.problem import lateral_problem
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import condition_of
 
 pytestmark = pytest.mark.slow
 
@@ -467,11 +465,9 @@ def test_loads_of_a_run_balance_on_the_bodies() -> None:
         "machine.floating_bearing.seal_preload=200 N",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
-    machine = run_in_machine(set_up(case))
-    lumped = machine.at(condition_of(case, machine.description))()
-    problem = lateral_problem(
-        machine.description, machine.fluid, lumped.data, lateral_settings(case), 12e5
-    )
+    run = prepare(case).worn().with_films()
+    lumped = run.march()
+    problem = lateral_problem(run.machine, run.fluid, lumped.data, lateral_settings(case), 12e5)
     found = problem.settle(problem.started(3e-6))
     assert found.settled
     state, back = found.balance.states[0], problem.loads.back

@@ -23,7 +23,7 @@ from tests.lateral_stack import (
     ring_stack,
     split_stack,
 )
-from toothspace.api import set_up
+from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.core.errors import GeometryError
 from toothspace.elasticity import (
@@ -55,10 +55,8 @@ from toothspace.machines.external_gear.floating_parameters import (
 )
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.lateral_balance import LateralBalance
-from toothspace.simulation.elastic import lateral_settings
+from toothspace.run.elastic import lateral_settings
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import condition_of
 
 pytestmark = pytest.mark.slow
 
@@ -278,11 +276,9 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
         f"machine.floating_bearing.split={split}",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
-    machine = run_in_machine(set_up(case))
-    data = machine.at(condition_of(case, machine.description))().data
-    problem = lateral_problem(
-        machine.description, machine.fluid, data, lateral_settings(case), 12e5
-    )
+    run = prepare(case).worn().with_films()
+    data = run.march().data
+    problem = lateral_problem(run.machine, run.fluid, data, lateral_settings(case), 12e5)
     return problem, problem.settle(problem.started(3e-6))
 
 

@@ -14,7 +14,7 @@ from toothspace.api import fluid_of
 from toothspace.core.errors import CaseError
 from toothspace.model.assembly import System, assemble
 from toothspace.results.solution import Solution
-from toothspace.simulation.setup import condition_of
+from toothspace.run.condition import condition_of
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 
 CASES = Path(__file__).resolve().parents[2] / "cases"

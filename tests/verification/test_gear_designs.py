@@ -11,11 +11,11 @@ import pytest
 import toothspace as ts
 from tests.reference_formulas.trapped_area import trapped_area
 from toothspace import api
+from toothspace.advice.gear_designs import GearDesigns, distance_of_backlash
+from toothspace.advice.gear_rules import pair_checks
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
-from toothspace.geometry.design_rules import pair_checks
 from toothspace.geometry.evaluated_designs import REASON_TEXTS, DesignReason
-from toothspace.geometry.gear_designs import GearDesigns, distance_of_backlash
 from toothspace.geometry.gear_pair import GearPair, pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.involute_gears import InvoluteGears

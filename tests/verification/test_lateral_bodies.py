@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, HIGH_NODE, INNER, LOW, OUTER, loads, pressures, ring_stack
-from toothspace.api import set_up
+from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.core.types import Array
 from toothspace.elasticity import (
@@ -39,11 +39,9 @@ from toothspace.films.lateral.local_deformation import Accuracy
 from toothspace.films.lateral.motion import Balance, StepSettings, state_at
 from toothspace.films.lateral.stack import PreviousStep, Snapshot, Stack, StackState
 from toothspace.numerics.acceleration import Mixing
-from toothspace.simulation.elastic import lateral_settings
+from toothspace.run.elastic import lateral_settings
 from toothspace.simulation.lateral.loads import face_deflection
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import condition_of
 
 pytestmark = pytest.mark.slow
 
@@ -304,9 +302,9 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
         "run.samples_per_revolution=180",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_078.toml", (*coarse, *changes))
-    machine = run_in_machine(set_up(case))
-    data = machine.at(condition_of(case, machine.description))().data
-    problem = lateral_problem(machine.description, machine.fluid, data, lateral_settings(case))
+    run = prepare(case).worn().with_films()
+    data = run.march().data
+    problem = lateral_problem(run.machine, run.fluid, data, lateral_settings(case))
     return problem, problem.settle(problem.started(3e-6))
 
 

@@ -22,7 +22,7 @@ from toothspace.core.errors import CaseError
 from toothspace.model.arrays import DENSITY, PRESSURE_BY_MASS
 from toothspace.model.assembly import System, assemble, node_places
 from toothspace.results.solution import Solution
-from toothspace.simulation.setup import circuit_condition
+from toothspace.run.condition import condition_of
 from toothspace.solver.initial import start_state
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
@@ -63,7 +63,7 @@ def line_system(cells: int) -> System:
     text = MOTOR.split("[circuit]")[0] + LINE.format(duration=0.01, cells=cells)
     case = Case.from_toml(text)
     description, fluid = api.describe(case), api.fluid_of(case)
-    return assemble(description, fluid, circuit_condition(case, description, fluid))
+    return assemble(description, fluid, condition_of(case, description, fluid))
 
 
 def solved_admittance(system: System, cells: int, frequencies: npt.ArrayLike) -> ComplexArray:
@@ -159,7 +159,7 @@ def run(text: str, *overrides: str) -> Solution:
         path.write_text(text, encoding="utf-8")
         case = api.load_case(path, overrides)
     description, fluid = api.describe(case), api.fluid_of(case)
-    system = assemble(description, fluid, circuit_condition(case, description, fluid))
+    system = assemble(description, fluid, condition_of(case, description, fluid))
     assert case.circuit is not None
     march = TransientMarch(system, TimePlan(case.circuit.duration, 1000))
     return transient_solution(march, {}, {}, "circuit")
@@ -235,7 +235,7 @@ def solve_shaft(case: Case) -> None:
     description, fluid = api.describe(case), api.fluid_of(case)
     assert case.circuit is not None
     plumb(case.circuit, description, fluid)
-    circuit_condition(case, description, fluid)
+    condition_of(case, description, fluid)
 
 
 def test_quadratic_fan_is_the_other_reading_of_the_paper() -> None:
@@ -291,6 +291,6 @@ def test_every_node_has_a_name_of_its_own() -> None:
     names = [node.name for node in plumb(case.circuit, description, fluid).nodes]
     assert len(set(names)) == len(names)
     assert "drain" not in names
-    system = assemble(description, fluid, circuit_condition(case, description, fluid))
+    system = assemble(description, fluid, condition_of(case, description, fluid))
     dynamic = system.arrays.dynamic_index
     assert sorted(dynamic[dynamic >= 0]) == list(range(system.arrays.size.dynamic))

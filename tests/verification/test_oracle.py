@@ -135,11 +135,14 @@ def total_flow(system: System, seen: Observation, *categories: str) -> Array:
 
 
 def ledger_rates(history: History) -> dict[str, float]:
-    core = history.system.arrays.size.core
-    change = history.states[SAMPLES, core:] - history.states[0, core:]
-    duration = oracle.PITCH / oracle.SPEED
-    names = (*LEDGER_NAMES, *(c.account for c in history.system.categories))
-    return dict(zip(names, change / duration, strict=True))
+    """Powers by account, and mass flows into the ports."""
+    arrays, description = history.system.arrays, history.system.description
+    rates = (history.states[SAMPLES] - history.states[0]) * oracle.SPEED / oracle.PITCH
+    nodes = {"inlet": description.inlet_node, "outlet": description.outlet_node}
+    return {
+        **dict(zip(LEDGER_NAMES, rates[arrays.size.core :], strict=False)),
+        **{name: float(rates[arrays.balance[node, 0]]) for name, node in nodes.items()},
+    }
 
 
 @pytest.fixture(scope="module")
@@ -169,8 +172,8 @@ def comparison() -> Comparison:
         waveforms[name] = (total_flow(system, seen, *categories), expected)
     rates, expected_means = ledger_rates(history), oracle.summary(pump, angles, pressures)
     means = {
-        "outlet": (rates["mass_outlet"], expected_means["outlet_mass_flow_kg_per_s"]),
-        "inlet": (-rates["mass_inlet"], expected_means["inlet_mass_flow_kg_per_s"]),
+        "outlet": (rates["outlet"], expected_means["outlet_mass_flow_kg_per_s"]),
+        "inlet": (-rates["inlet"], expected_means["inlet_mass_flow_kg_per_s"]),
         "torque": (rates["shaft"] / oracle.SPEED, expected_means["mean_torque_N_m"]),
         "displacement": (
             system.description.displacement,

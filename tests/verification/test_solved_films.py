@@ -22,7 +22,7 @@ from toothspace.films.lateral.conductance import (
 )
 from toothspace.gearing.gear_face import under_recesses
 from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceBody, FaceCells, FilmFace
-from toothspace.simulation.films import with_solved_films
+from toothspace.run.solved_films import with_solved_films
 
 PUMP = Path(__file__).parents[2] / "cases" / "egm12_pump.toml"
 SHAFT, ROOT, TIP, TEETH = 9e-3, 13e-3, 20e-3, 8

@@ -19,7 +19,7 @@ from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
 from toothspace.results.variables import CHANNELS
-from toothspace.simulation.setup import circuit_condition
+from toothspace.run.condition import condition_of
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
 
@@ -40,7 +40,7 @@ def machine() -> MachineDescription:
 
 def system_of(case: Case) -> System:
     fluid = api.fluid_of(case)
-    return assemble(machine(), fluid, circuit_condition(case, machine(), fluid))
+    return assemble(machine(), fluid, condition_of(case, machine(), fluid))
 
 
 def solve(case: Case, duration: float, cells: int = 100) -> Solution:

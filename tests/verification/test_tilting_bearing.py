@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toothspace.api import set_up
+from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.stops import leaning, rim_levers
-from toothspace.simulation.elastic import lateral_settings
+from toothspace.run.elastic import lateral_settings
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import condition_of
 
 CASE = Path(__file__).parents[2] / "cases" / "hysteresis_055.toml"
 WALL = 1e6
@@ -35,10 +33,10 @@ def _problem(*changes: str, file: Path = CASE) -> LateralProblem:
         'operating_point.outlet_pressure="38.8 bar"',
     ]
     case = load_case(file, [*given, *changes])
-    machine = run_in_machine(set_up(case))
-    data = machine.at(condition_of(case, machine.description))().data
+    run = prepare(case).worn().with_films()
+    data = run.march().data
     settings = replace(lateral_settings(case), grid=(84, 10), angles=2)
-    return lateral_problem(machine.description, machine.fluid, data, settings)
+    return lateral_problem(run.machine, run.fluid, data, settings)
 
 
 def _moment(problem: LateralProblem, found: Equilibrium) -> float:
@@ -106,10 +104,10 @@ def test_bearing_that_trapped_pressure_pushes_off_settles_on_its_cover() -> None
 def test_journal_films_hold_the_shafts_where_nothing_is_given() -> None:
     """Two bearings 61.4 mm apart with the mean load F each at 25 um: F d^2 / (2 c), the less."""
     case = load_case(CASE, ["run.max_revolutions=3", 'machine.floating_bearing.motion="full"'])
-    machine = run_in_machine(set_up(case))
-    data = machine.at(condition_of(case, machine.description))().data
+    run = prepare(case).worn().with_films()
+    data = run.march().data
     settings = replace(lateral_settings(case), grid=(42, 6), angles=1)
-    problem = lateral_problem(machine.description, machine.fluid, data, settings)
+    problem = lateral_problem(run.machine, run.fluid, data, settings)
     force = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)
     wanted = force.min() * (23.4e-3 + 38e-3) ** 2 / (2.0 * 25e-6)
     assert problem.stack.balance.shaft_stiffness == pytest.approx(wanted, rel=1e-6)

@@ -12,7 +12,7 @@ from tests.iteration_matrices import jacobian_of, slope_of_rates
 from toothspace.api import fluid_of
 from toothspace.model.arrays import DRAG, HEIGHT, PRESENT_B
 from toothspace.model.assembly import System, assemble
-from toothspace.simulation.setup import condition_of
+from toothspace.run.condition import condition_of
 from toothspace.solver.compiled_model import evaluate_state
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.initial import start_state

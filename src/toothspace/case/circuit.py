@@ -151,7 +151,7 @@ class PumpMap(SpeedHistory):
 
 @dataclass(frozen=True, kw_only=True)
 class Line(KeyTable):
-    """Length, bore and wall of a line."""
+    """Length, bore and wall of a line; without ``effective_bulk_modulus`` or a wall it is rigid."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)
@@ -167,7 +167,16 @@ class Line(KeyTable):
     cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
 
     def __post_init__(self) -> None:
-        instead_of(self, "effective_bulk_modulus", "wall_thickness", "wall_modulus")
+        wall = ("wall_thickness", "wall_modulus")
+        if self.effective_bulk_modulus is not None:
+            forbid(self, "because effective_bulk_modulus is given", *wall)
+        elif self.has_wall:
+            require(self, f"where one of {' and '.join(wall)} is given", *wall)
+
+    @property
+    def has_wall(self) -> bool:
+        """Whether a tube is described."""
+        return self.wall_thickness is not None or self.wall_modulus is not None
 
 
 @final
@@ -201,6 +210,8 @@ class Hose(Line):
     def __post_init__(self) -> None:
         if self.carries_waves and self.wall_stiffening > 1.0:
             raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
+        if self.wall_stiffening > 1.0 and self.effective_bulk_modulus is None and not self.has_wall:
+            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 of a rigid line")
         super().__post_init__()
 
     @property

@@ -7,11 +7,18 @@ from pathlib import Path
 from typing import final
 
 from toothspace.case.circuit import PortLine
+from toothspace.case.presets import (
+    LUMPED,
+    PRESETS,
+    ElasticKeys,
+    IdealKeys,
+    LumpedKeys,
+    Preset,
+)
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
     Choice,
-    Integer,
     KeyRuleError,
     KeyTable,
     QuantityKey,
@@ -30,7 +37,6 @@ from toothspace.core.keys import (
 from toothspace.library import library_names
 from toothspace.results.variables import CHANNELS
 
-_CELLS = Integer(low=8, high=4000)
 _FORCE = QuantityKey(unit="N", low=-1e6, high=1e6)
 
 
@@ -179,12 +185,10 @@ class InterfaceChoice(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RunSettings(KeyTable):
+class RunSettings(IdealKeys, LumpedKeys, ElasticKeys):
     """``[run]``: fidelity and numerical settings."""
 
-    fidelity: str = choice(
-        "Named set of models.", "ideal", "lumped", "films", "elastic", default="lumped"
-    )
+    fidelity: str = choice("Named set of models.", *PRESETS, default=LUMPED.name)
     interfaces: InterfaceChoice | None = table(
         InterfaceChoice,
         "Models of single interfaces; those of the preset where none is chosen.",
@@ -219,45 +223,12 @@ class RunSettings(KeyTable):
         "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6
     )
     max_steps: int = integer("Most time steps of the run.", low=100, high=10**9, default=20_000_000)
-    film_tables: Path | None = file_path(
-        "Tables of 'toothspace reduce' in place of the closed-form films (lumped preset).", ".nc"
-    )
-    flank_sealing: str = choice(
-        "Whether meshing chambers share one pressure (ideal preset).",
-        "single",
-        "dual",
-        default="single",
-    )
     mesh: str = choice("Stiffness of the mesh.", "rigid", "elastic", default="rigid")
-    deformation: str = choice(
-        "Deformation of bearings and gears under the lateral films (elastic preset): a Winkler "
-        "foundation, elastic bodies, or rigid. The former word 'columns' for 'winkler' is accepted "
-        "with a note until the next version.",
-        "winkler",
-        "bodies",
-        "none",
-        default="winkler",
-        former={"columns": "winkler"},
-    )
-    film_grid: tuple[int, int] = pair(
-        _CELLS, "Cells of each lateral film, round and along the radius.", default=(126, 18)
-    )
-    film_oil_share: float = number(
-        "Part of the power that a lateral film dissipates which its oil carries away and becomes "
-        "thinner by: 1 adiabatic, 0 isothermal (elastic preset).",
-        low=0,
-        high=1,
-        default=0.0,
-    )
-    film_angles_per_pitch: int = integer(
-        "Shaft angles of a tooth pitch over which axial forces are averaged.",
-        low=1,
-        high=360,
-        default=2,
-    )
-    film_steps_per_revolution: int = integer(
-        "Steps of the lateral films over a revolution.", low=12, high=7200, default=112
-    )
+
+    @property
+    def preset(self) -> Preset:
+        """The set of models."""
+        return PRESETS[self.fidelity]
 
     def __post_init__(self) -> None:
         if self.until is not None:

@@ -44,19 +44,40 @@ def wall_flexibility(hose: Line, fluid: FluidLaw) -> float:
     """Relative growth of the bore area of a hose per pressure. [1/Pa].
 
     From wall modulus and thickness as a thin tube, d/(E t); or what the effective bulk modulus
-    leaves beside that of the liquid.
+    leaves beside that of the liquid; zero of a rigid line.
     """
-    if hose.effective_bulk_modulus is None:
-        assert hose.wall_modulus is not None
-        assert hose.wall_thickness is not None
-        return hose.bore / (hose.wall_modulus * hose.wall_thickness)
-    liquid = float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
-    if hose.effective_bulk_modulus > liquid:
+    if hose.effective_bulk_modulus is not None:
+        return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid_modulus(fluid)
+    if hose.wall_modulus is None or hose.wall_thickness is None:
+        return 0.0
+    return hose.bore / (hose.wall_modulus * hose.wall_thickness)
+
+
+def liquid_modulus(fluid: FluidLaw) -> float:
+    """Bulk modulus of the liquid in a line. [Pa]."""
+    return float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
+
+
+def check_wall(hose: Line, fluid: FluidLaw, path: str) -> None:
+    """Refuse a line that is stiffer than the liquid in it.
+
+    Parameters
+    ----------
+    path : str
+        Table of the line in its case.
+
+    Raises
+    ------
+    CaseError
+        If the effective bulk modulus exceeds that of the liquid at its temperature.
+    """
+    liquid, given = liquid_modulus(fluid), hose.effective_bulk_modulus
+    if given is not None and given > liquid:
         raise CaseError(
-            f"circuit: effective_bulk_modulus: found {hose.effective_bulk_modulus / 1e9:.4g} GPa, "
-            f"allowed at most that of the liquid, {liquid / 1e9:.4g} GPa"
+            f"{path}.effective_bulk_modulus: found {given / 1e9:.4g} GPa, allowed at most that of "
+            f"the liquid at its temperature, {liquid / 1e9:.4g} GPa; without the key the wall is "
+            "rigid"
         )
-    return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid
 
 
 def relaxed_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> LineParts:
@@ -137,6 +158,7 @@ def line_at_port(
     far_end : str
         ``supply`` or ``load``, which hold the pressure, or another name for a free end.
     """
+    check_wall(line, fluid, "operating_point.line")
     ends = (far_end, port) if port == "inlet" else (port, far_end)
     parts, half = line_parts("line", line, ends, pressure, fluid), end_cell(line, fluid)
     held = far_end in PORT_NODES
@@ -155,8 +177,8 @@ def _columns(
     inertance = density * step / (np.pi * radius**2)
     renewal = diffusion / radius**2
     # angular frequency of the shortest wave that the cells can carry
-    liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
-    speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))
+    compliance = 1.0 / liquid_modulus(fluid) + wall_flexibility(hose, fluid)
+    speed = 1.0 / np.sqrt(density * compliance)
     branches = memory_branches(float(2.0 * speed * hose.cells / hose.length) / renewal)
     law = (
         inertance,

@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 
 from toothspace.case import circuit as keys
-from toothspace.case.lines import LineCell, end_cell, line_parts, relaxed_wall, wall_flexibility
+from toothspace.case.lines import (
+    LineCell,
+    check_wall,
+    end_cell,
+    line_parts,
+    relaxed_wall,
+    wall_flexibility,
+)
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
@@ -69,6 +76,8 @@ def plumb(
     start = circuit.initial_pressure or supply
     members: dict[str, list[Any]] = {name: [] for name in names.values()}
     hoses = {n: e for n, e in circuit.elements.items() if isinstance(e, keys.Hose)}
+    for name, hose in hoses.items():
+        check_wall(hose, fluid, f"circuit.{name}")
     waves = {name: hose for name, hose in hoses.items() if hose.carries_waves}
     for (name, _), node in names.items():
         element = circuit.elements.get(name)
@@ -85,7 +94,7 @@ def plumb(
         _node(name, parts, ports.get(name, 0.0), start, fluid) for name, parts in members.items()
     ]
     for name, hose in hoses.items():
-        if hose.wall_stiffening > 1.0:
+        if hose.wall_stiffening > 1.0 and wall_flexibility(hose, fluid) > 0.0:
             own = next(node for node in nodes if node.name == names[name, 0])
             lines.append(relaxed_wall(name, own, hose, fluid))
     return CircuitNetwork(
@@ -106,7 +115,7 @@ def plumb(
             if isinstance(element, keys.Orifice)
         ),
         supply_pressure=supply,
-    )
+    ).with_tank_ends()
 
 
 def _node_names(circuit: keys.Circuit) -> dict[Place, str]:
@@ -290,6 +299,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
         breakaway_torque=startup.torque if startup else 0.0,
         breakaway_speed=startup.speed if startup else 1.0,
         breakaway_law=startup.law if startup else "total",
+        seal_ratio=startup.seal_ratio if startup else 1.0,
         load_schedule=history(sources[0], "torque", "N m") if sources else np.zeros((0, 2)),
     )
 

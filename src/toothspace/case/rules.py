@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from operator import attrgetter
 from typing import Any
 
 from toothspace.case.conditions import HeatSettings
 from toothspace.case.overrides import CONDITIONS
+from toothspace.case.presets import PRESETS, Preset
 from toothspace.case.stand_alone import LateralFilmCase
 from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
 from toothspace.case.tables import CaseTables
@@ -18,8 +19,6 @@ from toothspace.model.operating_point import OperatingCondition
 
 LEAST_LOAD = 5e3
 """Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
-
-_HEAT_PRESETS = "lumped", "films", "elastic"
 
 
 def broken_rules(case: CaseTables) -> Iterator[Problem]:
@@ -36,15 +35,17 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
         allowed = "a study only with [operating_point] or [circuit]"
         yield Problem("study", f"a study with [{given[0]}]", allowed)
     yield from _parts(case)
-    if case.run.film_tables is not None and case.run.fidelity != "lumped":
-        found = f"tables with {case.run.fidelity!r}"
-        yield Problem("run.film_tables", found, "fidelity 'lumped'")
-    if case.heat != HeatSettings() and (
-        given[0] != "operating_point" or case.run.fidelity not in _HEAT_PRESETS
-    ):
-        found = f"a table [heat] with [{given[0]}] and fidelity {case.run.fidelity!r}"
-        allowed = "[operating_point] and fidelity 'lumped', 'films' or 'elastic'"
-        yield Problem("heat", found, allowed)
+    preset = case.run.preset
+    if case.circuit is not None and not preset.over_time:
+        allowed = f"{_presets(one for one in PRESETS.values() if one.over_time)} with a [circuit]"
+        yield Problem("run.fidelity", repr(preset.name), allowed)
+    if case.run.film_tables is not None and not preset.reads("film_tables"):
+        allowed = f"fidelity {_presets(p for p in PRESETS.values() if p.reads('film_tables'))}"
+        yield Problem("run.film_tables", f"tables with {preset.name!r}", allowed)
+    if case.heat != HeatSettings() and (given[0] != "operating_point" or not preset.has_losses):
+        found = f"a table [heat] with [{given[0]}] and fidelity {preset.name!r}"
+        warm = _presets(one for one in PRESETS.values() if one.has_losses)
+        yield Problem("heat", found, f"[operating_point] and fidelity {warm}")
     elif case.heat.model == "coupled" and case.run.film_oil_share > 0.0:
         found = f"{case.run.film_oil_share:g} with heat.model = 'coupled'"
         yield Problem("run.film_oil_share", found, "0: the heat network warms the lateral films")
@@ -56,6 +57,10 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
         if point.outlet_load == "orifice" and point.outlet_pressure < least:
             allowed = f"at least {_bar(least)} with outlet_load 'orifice', behind which is air"
             yield Problem("operating_point.outlet_pressure", _bar(point.outlet_pressure), allowed)
+
+
+def _presets(found: Iterable[Preset]) -> str:
+    return " or ".join(repr(preset.name) for preset in found)
 
 
 def _parts(case: CaseTables) -> Iterator[Problem]:

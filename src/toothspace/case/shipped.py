@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import shutil
 import tomllib
 from collections.abc import Iterator
@@ -10,6 +9,7 @@ from pathlib import Path
 
 from toothspace.case.document import text_values
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import suggestion
 from toothspace.library import shipped_folder
 
 
@@ -32,9 +32,7 @@ def shipped_case(name: str) -> Path:
     """
     names = [path.stem for path in sorted(shipped_folder("cases").glob("*.toml"))]
     if name not in names:
-        near = difflib.get_close_matches(name, names, n=1)
-        allowed = f"{near[0]} (did you mean that?)" if near else ", ".join(names)
-        raise CaseError(f"case: found {name!r}, allowed {allowed}")
+        raise CaseError(f"case: found {name!r}, allowed {suggestion(name, names)}")
     return shipped_folder("cases") / f"{name}.toml"
 
 

@@ -455,3 +455,8 @@ STUDIES: Mapping[str, type] = {
     "sweep": SweepStudy,
 }
 """Studies by the value of their key ``kind``."""
+
+
+def study_kind(study: object) -> str:
+    """Return the value of ``study.kind`` that a table stands for."""
+    return next(name for name, spec in STUDIES.items() if spec is type(study))

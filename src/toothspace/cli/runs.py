@@ -58,6 +58,9 @@ def run(
         str | None, typer.Option(metavar="P", help="ideal, lumped, films or elastic.")
     ] = None,
     overrides: Overrides = None,
+    without_study: Annotated[
+        bool, typer.Option("--without-study", help="One run of a case that has a [study].")
+    ] = False,
     force: Force = False,
 ) -> int:
     """Simulate a case and write the result."""
@@ -68,12 +71,19 @@ def run(
         if getattr(case, table) is not None:
             allowed = f"with 'toothspace {table}' only"
             raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
+    if case.study is not None and without_study:
+        case = case.replace({"study": None})
+    elif case.study is not None:
+        from toothspace.case.study import study_kind
+
+        allowed = f"with 'toothspace study {case_file}', or --without-study for one run of the case"
+        raise CaseError(f"{case_file}: study: found {study_kind(case.study)!r}, allowed {allowed}")
     target = require_writable(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
     from toothspace import interactive
     from toothspace.advice.findings import status_line
-    from toothspace.simulation.presets import unused_tables
+    from toothspace.run.interfaces import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:

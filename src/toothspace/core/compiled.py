@@ -7,7 +7,7 @@ what they do.
 from __future__ import annotations
 
 from toothspace.core.compilation.cache import cache_root, digest_of_sources
-from toothspace.core.compilation.decorators import inlined, kernel, merged, njit, prange
+from toothspace.core.compilation.decorators import inlined, kernel, merged, njit
 from toothspace.core.compilation.notice import compile_seconds
 from toothspace.core.compilation.records import passed_by_address
 
@@ -20,5 +20,4 @@ __all__ = [
     "merged",
     "njit",
     "passed_by_address",
-    "prange",
 ]

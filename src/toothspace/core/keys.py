@@ -551,13 +551,19 @@ class Grid(Key):
         return {"anyOf": [{"type": "array", "items": item, "minItems": 1}, span]}
 
 
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return the known name nearest to one that is not known, or all; for messages."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, n=1)
+    return f"{near[0]} (did you mean that?)" if near else ", ".join(names)
+
+
 def _keep_unknown(problems: Problems, raw: Mapping[str, Any], known: Iterable[str]) -> None:
     """Keep keys that nobody reads, with the nearest known one."""
     names = list(known)
     for name in raw:
         if name not in names:
-            near = difflib.get_close_matches(str(name), names, n=1)
-            hint = f"{near[0]} (did you mean that?)" if near else ", ".join(names) or "no keys"
+            hint = suggestion(str(name), names) or "no keys"
             shown_name = str(name) if str(name).isprintable() else repr(name)
             problems.append(Problem(shown_name, "an unknown key", hint))
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
-import sys
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
+from threading import RLock
 from typing import IO, TYPE_CHECKING
 
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_bytes
 from toothspace.core.interrupts import interrupts_held
+from toothspace.core.processes import run_python
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,7 @@ with h5py.File(sys.argv[1]) as file:
 _LEAST_WAIT, _LEAST_RATE = 10.0, 1e6
 """Time [s] for reading a file without checksum, and bytes that a second more is for. [B/s]"""
 _NUMBERS = "fiub"
+_WRITE_LOCK = RLock()
 
 
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
@@ -54,11 +56,25 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     """
     target = path_of(path, "result", "a file to write")
     target.parent.mkdir(parents=True, exist_ok=True)
-    # the HDF5 library ends the process where a disk refuses a write, so it writes into memory
-    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
+    content = _as_bytes(dataset)
     seal = _SEAL + _checksum(BytesIO(content), len(content))
     with interrupts_held():
         return write_bytes(target, content + seal)
+
+
+def _as_bytes(dataset: xr.Dataset) -> bytes:
+    """Content of a NetCDF file; its data are arrays in memory or on disk."""
+    from xarray.backends import H5NetCDFStore
+
+    # the HDF5 library ends the process where a disk refuses a write, so it writes into memory;
+    # a lock that xarray chooses is one of a Dask scheduler where there is one
+    buffer = BytesIO()
+    store = H5NetCDFStore.open(buffer, mode="w", lock=_WRITE_LOCK)
+    try:
+        dataset.dump_to_store(store)
+    finally:
+        store.close()
+    return buffer.getvalue()
 
 
 def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset:
@@ -115,10 +131,7 @@ def _is_readable(path: Path) -> bool:
     """Whether a process of its own can read a file: HDF5 may go on for ever in a damaged one."""
     longest = _LEAST_WAIT + path.stat().st_size / _LEAST_RATE
     with suppress(subprocess.TimeoutExpired):
-        trial = subprocess.run(
-            [sys.executable, "-c", _TRIAL, str(path)], capture_output=True, timeout=longest
-        )
-        return trial.returncode == 0
+        return run_python(_TRIAL, [str(path.resolve())], longest=longest).returncode == 0
     return False
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from toothspace.core.compiled import inlined, njit, prange
+from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity.mesh import SolidMesh
 
@@ -110,14 +110,13 @@ def _strains(gradient: Array, strain: Array, first: int) -> None:
         strain[5, k], strain[5, k + 1] = y, x
 
 
-@njit(parallel=True)
+@njit(nogil=True)
 def _hexahedra(
     nodes: Array, elements: IntArray, law: Array, slopes: Array, bubbles: Array
 ) -> Array:
     count = elements.shape[0]
     out = np.empty((count, 24, 24))
-    for index in prange(count):
-        e = np.int64(index)
+    for e in range(count):
         corners = np.empty((8, 3))
         for a in range(8):
             corners[a] = nodes[elements[e, a]]
@@ -137,12 +136,11 @@ def _hexahedra(
     return out
 
 
-@njit(parallel=True)
+@njit(nogil=True)
 def _tetrahedra(nodes: Array, elements: IntArray, law: Array, slopes: Array) -> Array:
     count = elements.shape[0]
     out = np.empty((count, 30, 30))
-    for index in prange(count):
-        e = np.int64(index)
+    for e in range(count):
         corners = np.empty((10, 3))
         for a in range(10):
             corners[a] = nodes[elements[e, a]]

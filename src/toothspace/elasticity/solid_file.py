@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.processes import program_named
 from toothspace.elasticity.mesh import SolidMesh, tetrahedral_mesh
 
 _STEP_UNIT = 1e-3
@@ -55,7 +55,7 @@ class SolidFile:
         """
         if not self.path.is_file():
             raise GeometryError(f"{self.label}: found no file, allowed is a STEP file")
-        program = shutil.which("gmsh")
+        program = program_named("gmsh")
         if program is None:
             raise GeometryError(
                 f"{self.label}: found no program gmsh, allowed with it on the path "

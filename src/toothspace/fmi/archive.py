@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import io
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,6 +19,7 @@ import numpy as np
 
 import toothspace
 from toothspace.core.errors import CaseError
+from toothspace.core.processes import program_named
 from toothspace.core.types import Array
 from toothspace.results.variables import VARIABLES
 
@@ -190,7 +190,7 @@ def fmu_archive(
 
 def found_compiler() -> str | None:
     """Return the C compiler of this computer, None if it has none."""
-    return shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    return program_named("cc", "gcc", "clang")
 
 
 def _platform() -> tuple[str, str]:

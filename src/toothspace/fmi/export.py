@@ -22,7 +22,7 @@ from toothspace.core.status import Status
 from toothspace.core.units import from_si
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
 from toothspace.fmi.tables import ShaftSamples, tables_of
-from toothspace.simulation.setup import provenance_of
+from toothspace.run.run import provenance_of
 from toothspace.studies.efficiency_map import map_records
 from toothspace.studies.points import status_of
 from toothspace.studies.records import Record, Records, failed_count
@@ -61,7 +61,7 @@ def export_fmu(
     if drive not in DRIVES:
         raise CaseError(f"drive: found {drive!r}, allowed {' or '.join(map(repr, DRIVES))}")
     operating = case.operating_point
-    if operating is None or case.run.fidelity == "ideal":
+    if operating is None or not case.run.preset.has_losses:
         found = "no [operating_point]" if operating is None else "the fidelity 'ideal'"
         raise CaseError(f"{case.label}: found {found}, allowed a steady case with losses")
     # the circuit round the unit sets the pressures, so what the ports see is the machine alone

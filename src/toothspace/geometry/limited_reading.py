@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -23,6 +21,7 @@ import numpy as np
 
 from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.errors import GeometryError
+from toothspace.core.processes import run_python
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest
 
@@ -34,6 +33,11 @@ READ_HERE = 2**20
 """Largest size of a file that is read without a process of its own. [B]"""
 REFUSED = 2
 """Exit code of the reader for a file that it refuses with a message."""
+_READER = """
+import runpy
+runpy.run_module("toothspace.geometry.reading_process", run_name="__main__")
+"""
+"""Program of the process that reads."""
 _MOST_KEPT = 500
 _READING = ("step_import", "solid_import", "dxf_import", "point_file", "limited_reading",
             "body_section", "mesh_section", "chains", "tooth_count")  # fmt: skip
@@ -103,18 +107,8 @@ def _format(path: Path) -> str:
 
 
 def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
-    package = str(Path(__file__).resolve().parents[2])
-    search = os.pathsep.join(filter(None, [package, os.environ.get("PYTHONPATH", "")]))
     try:
-        return subprocess.run(
-            [sys.executable, "-m", "toothspace.geometry.reading_process"],
-            input=order,
-            capture_output=True,
-            text=True,
-            timeout=TIME_LIMIT,
-            env={**os.environ, "PYTHONPATH": search},
-            check=False,
-        )
+        return run_python(_READER, given=order, longest=TIME_LIMIT)
     except subprocess.TimeoutExpired as error:
         raise GeometryError(
             f"{path}: found a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read, "

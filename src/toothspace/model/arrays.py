@@ -106,9 +106,9 @@ CURVE_COLUMNS = 7
     RUNNING_FRICTION, BREAKAWAY_SPEED, ADDED_FRICTION, FADE, DRIVING_TORQUE, HOLDING_TORQUE,
     SPEED_KNOT, SPEED_KNOTS, LOAD_KNOT, LOAD_KNOTS, PRESENT_LOAD, LOAD_SQUARE, LOAD_INERTIA,
     COUPLING_STIFFNESS, COUPLING_DAMPING, DRIVEN_INERTIA, DRIVEN_LATERAL, DRIVEN_FRICTION,
-    FROM_INTERFACES,
-) = range(26)  # fmt: skip
-DRIVE_COLUMNS = 26
+    FROM_INTERFACES, SEAL_RATIO,
+) = range(27)  # fmt: skip
+DRIVE_COLUMNS = 27
 
 # Columns of ``elements``: hydraulic elements of a circuit and their present flow.
 (
@@ -171,9 +171,10 @@ class SystemArrays(NamedTuple):
 
     ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``contact``,
     ``motion``, ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are
-    written by each evaluation; ``origin`` says where flows come from. Rows of ``path`` and
-    ``path_values`` are the open paths, one after the other: ``open_kinds``, ``open_index`` and
-    ``open_data`` are ``kinds``, ``path_index`` and ``path_data`` of these.
+    written by each evaluation; ``origin`` says where flows come from, ``balance`` in which rows
+    of the state mass and gas of each node stand: core states, or ledger states of held nodes.
+    Rows of ``path`` and ``path_values`` are the open paths, one after the other: ``open_kinds``,
+    ``open_index`` and ``open_data`` are ``kinds``, ``path_index`` and ``path_data`` of these.
     """
 
     size: Sizes
@@ -186,6 +187,7 @@ class SystemArrays(NamedTuple):
     paths: Members
     contacts: Members
     dynamic_index: IntArray
+    balance: IntArray
     kinds: IntArray
     path_index: IntArray
     path_data: Array

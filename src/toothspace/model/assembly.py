@@ -37,7 +37,7 @@ from toothspace.model.lateral_load import (
     with_lateral_leakage,
 )
 from toothspace.model.lateral_table import LOAD_STATES
-from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
+from toothspace.model.ledger import FRICTION_MECHANISMS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import PathCategory
 from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
@@ -118,7 +118,8 @@ def assemble(
     bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush, blocks)
     counts = {"motions": motion_map.shape[1], "journals": len(journals.rows), **contacts.counts}
-    sizes = _sizes(description, condition, paths, counts)
+    dynamic = _dynamic_index(description, condition)
+    sizes = _sizes(description, condition, paths, dynamic, counts)
     drive = _drive(description, condition, free)
     elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
     arrays = SystemArrays(
@@ -146,7 +147,8 @@ def assemble(
             [int(path.kind != "orifice") for path in paths],
             packed=True,
         ),
-        dynamic_index=_dynamic_index(description, condition),
+        dynamic_index=dynamic,
+        balance=_balance(dynamic, sizes),
         **path_arrays(description, paths, categories),
         journal=journals.rows,
         asperity=journals.asperity,
@@ -170,17 +172,18 @@ def _sizes(
     description: MachineDescription,
     condition: OperatingCondition,
     paths: tuple[FlowPath, ...],
+    dynamic_index: IntArray,
     counts: dict[str, int],
 ) -> Sizes:
     chambers, motions = description.chamber_count, counts["motions"]
-    dynamic = int(np.max(_dynamic_index(description, condition))) + 1
+    dynamic = int(np.max(dynamic_index)) + 1
     column = 2 + 2 * dynamic + 2 * motions
     film = column + column_states(condition.circuit)
     load = film + LOAD_STATES * (description.lateral_table is not None)
     core = load + coupling_states(condition.free_shaft)
     return Sizes(
         chambers=chambers,
-        nodes=len(node_places(description, condition)) + chambers,
+        nodes=len(dynamic_index),
         dynamic=dynamic,
         paths=sum(path.count for path in paths),
         **counts,
@@ -192,8 +195,20 @@ def _sizes(
         film=film,
         load=load,
         core=core,
-        total=core + THROTTLING + len(categories_of(paths)),
+        total=core
+        + THROTTLING
+        + len(categories_of(paths))
+        + 2 * int(np.count_nonzero(dynamic_index < 0)),
     )
+
+
+def _balance(dynamic: IntArray, sizes: Sizes) -> IntArray:
+    """Rows of the state in which mass and gas of each node stand. Shape (nodes, 2)."""
+    held = int(np.count_nonzero(dynamic < 0))
+    rows = np.column_stack([sizes.mass + dynamic, sizes.gas + dynamic])
+    first = sizes.total - 2 * held
+    rows[dynamic < 0] = np.arange(first, sizes.total).reshape(2, held).T
+    return rows
 
 
 def _chamber_tables(
@@ -247,10 +262,8 @@ def _dynamic_index(description: MachineDescription, condition: OperatingConditio
 
 def node_places(description: MachineDescription, condition: OperatingCondition) -> dict[str, int]:
     """Numbers of the nodes beyond the chambers by name: ports, then those of the circuit."""
-    names = list(PORT_NODES)
-    for node in condition.circuit.nodes if condition.circuit else ():
-        if node.name not in names:
-            names.append(node.name)
+    circuit = condition.circuit.all_nodes if condition.circuit else ()
+    names = dict.fromkeys([*PORT_NODES, *(node.name for node in circuit)])
     return {name: description.chamber_count + k for k, name in enumerate(names)}
 
 
@@ -292,7 +305,7 @@ def _nodes(
     ports[:, col.DENSITY] = mixture_density(ports[:, col.PRESSURE], ports[:, col.GAS], fluid)
     node[description.outlet_node, col.VOLUME] = description.port_volumes[1]
     places = node_places(description, condition)
-    for place in condition.circuit.nodes if condition.circuit else ():
+    for place in condition.circuit.all_nodes if condition.circuit else ():
         row = node[places[place.name]]
         row[col.PRESSURE], row[col.GAS] = place.pressure, fluid.feed_gas_mass_fraction
         row[col.DENSITY] = mixture_density(place.pressure, row[col.GAS], fluid)
@@ -323,7 +336,11 @@ def _work(sizes: Sizes) -> dict[str, Any]:
 
 
 def _pattern(arrays: SystemArrays) -> BoolArray:
-    """Where derivatives by the unknowns may be: each path joins its nodes, a gap the motions."""
+    """Where derivatives by the unknowns may be: each path joins its nodes, a gap the motions.
+
+    What flows between two nodes of held pressure depends on none, but rows without a column are
+    those of losses, which are not integrated with the masses: they get the first.
+    """
     size = arrays.size
     pattern = np.zeros((size.total, size.core), dtype=bool)
     np.fill_diagonal(pattern, True)
@@ -337,7 +354,8 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         if index[col.PARTNER_SHIFT] != 0:
             first, count = int(index[col.FAMILY_FIRST]), int(index[col.FAMILY_COUNT])
         for b in range(first, first + count):
-            pattern[np.ix_([*rows[a], *rows[b]], [*columns[a], *columns[b], *moved])] = True
+            joined = [*columns[a], *columns[b], *moved] or [0]
+            pattern[np.ix_([*rows[a], *rows[b]], joined)] = True
     for d in range(size.dynamic):
         pattern[size.gas + d, size.mass + d] = True
     for k in range(size.motions):
@@ -386,7 +404,7 @@ def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
             own = list(range(place, place + 1 + int(element[col.KNOTS])))
             pattern[np.ix_(own, [*own, *columns])] = True
             columns.append(place)
-        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns)] = True
+        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns or [0])] = True
 
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:
@@ -395,11 +413,7 @@ def _columns(arrays: SystemArrays, node: int) -> list[int]:
 
 
 def _rows(arrays: SystemArrays, node: int) -> list[int]:
-    d = int(arrays.dynamic_index[node])
-    if d >= 0:
-        return [arrays.size.mass + d, arrays.size.gas + d]
-    port = arrays.size.core + node - arrays.size.chambers
-    return [port + MASS, port + GAS_MASS]
+    return [int(row) for row in arrays.balance[node]]
 
 
 def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) -> float:

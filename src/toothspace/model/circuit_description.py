@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal, final
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, final
 
 import numpy as np
 
@@ -106,6 +106,36 @@ class CircuitNetwork:
     """What joins them."""
     supply_pressure: float = 1e5
     """Absolute pressure of the tank that supply pumps draw from. [Pa]"""
+    tank_ends: tuple[CircuitNode, ...] = ()
+    """Ends of elements and orifices at tanks, each a tank that accounts for its own flow."""
+
+    @property
+    def all_nodes(self) -> tuple[CircuitNode, ...]:
+        """Nodes and ends at tanks."""
+        return (*self.nodes, *self.tank_ends)
+
+    def with_tank_ends(self) -> CircuitNetwork:
+        """Give every end at a tank an account of its own.
+
+        What flows out of a tank in one place and back in another would cancel in one account.
+        """
+        pressures = {node.name: node.pressure for node in self.nodes if node.volume <= 0.0}
+        found: list[CircuitNode] = []
+
+        def at_tank(name: str) -> str:
+            if name not in pressures:
+                return name
+            found.append(CircuitNode(f"{name}:{len(found)}", pressures[name]))
+            return found[-1].name
+
+        def joined(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+            return tuple(
+                replace(part, node_a=at_tank(part.node_a), node_b=at_tank(part.node_b))
+                for part in parts
+            )
+
+        elements, orifices = joined(self.elements), joined(self.orifices)
+        return replace(self, elements=elements, orifices=orifices, tank_ends=tuple(found))
 
 
 @final
@@ -136,6 +166,10 @@ class FreeShaft:
     breakaway_law: BreakawayLaw = "total"
     """Whether that torque stands for all interfaces, which fade in with speed, is added to their
     boundary friction, or is their boundary friction and follows their loads.
+    """
+    seal_ratio: float = 1.0
+    """Friction of the shaft seal at rest over that in running, where the breakaway torque is the
+    boundary friction of all interfaces. [-]
     """
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
     """Time [s] and further torque of the load [N m], joined by straight lines. Shape (knots, 2)."""
@@ -177,6 +211,7 @@ def drive_row(
         row[col.BREAKAWAY_SPEED] = shaft.breakaway_speed
         row[col.ADDED_FRICTION] = shaft.breakaway_law == "additive"
         row[col.FROM_INTERFACES] = shaft.breakaway_law == "interfaces"
+        row[col.SEAL_RATIO] = shaft.seal_ratio
     return row
 
 

@@ -256,8 +256,8 @@ class MachineDescription:
         if the machine type gives none. [rad], [m]
     geometry_summary : mapping
         Numbers of ``toothspace geometry --json``, names with unit suffix.
-    checks : tuple of DesignCheck
-        Design-rule report.
+    checks : sequence of DesignCheck
+        Design-rule report. This and the summary may be lazy, so that no run waits for them.
     as_drawn : mapping of str to str
         Keys of a case that give the machine with what its files hold in place of what was fitted
         to it, where the two differ more than they should; a run is then made with both.
@@ -289,7 +289,7 @@ class MachineDescription:
     outlines: Mapping[str, Array] = field(default_factory=dict)
     chamber_outlines: Callable[[float], Sequence[Array]] | None = None
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
-    checks: tuple[DesignCheck, ...] = ()
+    checks: Sequence[DesignCheck] = ()
     as_drawn: Mapping[str, str] = field(default_factory=dict)
 
     @property

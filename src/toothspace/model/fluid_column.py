@@ -19,7 +19,6 @@ from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
-from toothspace.model.ledger import GAS_MASS, MASS
 
 FLUID_COLUMN = 4
 SMALL_SHARE = 0.03
@@ -137,9 +136,5 @@ def add_carried(s: SystemArrays, j: int, column: int, matrix: Array) -> None:
     source = a if element[col.ELEMENT_FLOW] >= 0.0 else b
     density, gas = s.node[source, col.DENSITY], s.node[source, col.GAS]
     for i, sign in ((a, -1.0), (b, 1.0)):
-        d = s.dynamic_index[i]
-        port = s.size.core + i - s.size.chambers
-        mass_row = s.size.mass + d if d >= 0 else port + MASS
-        gas_row = s.size.gas + d if d >= 0 else port + GAS_MASS
-        matrix[mass_row, column] += sign * density
-        matrix[gas_row, column] += sign * gas * density
+        matrix[s.balance[i, 0], column] += sign * density
+        matrix[s.balance[i, 1], column] += sign * gas * density

@@ -24,7 +24,6 @@ from toothspace.model.contacts import by_shift_and_turn
 from toothspace.model.drive import add_coupling
 from toothspace.model.fluid_column import FLUID_COLUMN, add_column
 from toothspace.model.lateral_lookup import add_film_rates
-from toothspace.model.ledger import GAS_MASS, MASS
 
 
 @kernel
@@ -75,29 +74,15 @@ def fill_basis(s: SystemArrays, basis: Array) -> None:
 
 
 @kernel
-def mass_row(s: SystemArrays, i: int) -> int:
-    """Row of the mass balance of a node: a state, or the ledger entry of a fixed port."""
-    d = s.dynamic_index[i]
-    return s.size.mass + d if d >= 0 else s.size.core + MASS + i - s.size.chambers
-
-
-@kernel
-def gas_row(s: SystemArrays, i: int) -> int:
-    """Row of the gas balance of a node."""
-    d = s.dynamic_index[i]
-    return s.size.gas + d if d >= 0 else s.size.core + GAS_MASS + i - s.size.chambers
-
-
-@kernel
 def add_flow_change(
     s: SystemArrays, j: int, column: int, mass_change: float, gas_change: float, matrix: Array
 ) -> None:
     """Add the change of one path's flows with one state to the balances of both its nodes."""
     a, b = s.open_index[j, col.NODE_A], s.open_index[j, col.PRESENT_B]
-    matrix[mass_row(s, a), column] -= mass_change
-    matrix[mass_row(s, b), column] += mass_change
-    matrix[gas_row(s, a), column] -= gas_change
-    matrix[gas_row(s, b), column] += gas_change
+    matrix[s.balance[a, 0], column] -= mass_change
+    matrix[s.balance[b, 0], column] += mass_change
+    matrix[s.balance[a, 1], column] -= gas_change
+    matrix[s.balance[b, 1], column] += gas_change
 
 
 @kernel
@@ -234,7 +219,7 @@ def add_elements(s: SystemArrays, state: Array, t: float, matrix: Array) -> None
             if d < 0:
                 continue
             change = slope * node[i, col.PRESSURE_BY_MASS]
-            matrix[mass_row(s, a), size.mass + d] -= change
-            matrix[mass_row(s, b), size.mass + d] += change
-            matrix[gas_row(s, a), size.mass + d] -= gas * change
-            matrix[gas_row(s, b), size.mass + d] += gas * change
+            matrix[s.balance[a, 0], size.mass + d] -= change
+            matrix[s.balance[b, 0], size.mass + d] += change
+            matrix[s.balance[a, 1], size.mass + d] -= gas * change
+            matrix[s.balance[b, 1], size.mass + d] += gas * change

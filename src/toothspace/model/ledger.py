@@ -1,8 +1,9 @@
 """Names and order of the integrated quantities (ledger states) of every run.
 
-Mass and undissolved gas *into* each port node, the work of the shaft on the machine, and one
-entry for every way in which mechanical energy is lost, flow paths by their categories last. At
-a fixed port the energy follows from the masses, which close to round-off.
+The work of the shaft on the machine, one entry for every way in which mechanical energy is lost,
+flow paths by their categories, then mass and undissolved gas *into* each node of held pressure:
+ports, and every end of a circuit element at a tank. The energy there follows from the masses,
+which close to round-off.
 """
 
 from __future__ import annotations
@@ -24,8 +25,6 @@ FRICTION_MECHANISMS = (
 """Friction that the shaft has to overcome."""
 
 LEDGER_NAMES = (
-    *(f"mass_{name}" for name in PORT_NODES),
-    *(f"gas_{name}" for name in PORT_NODES),
     "shaft",
     *FRICTION_MECHANISMS,
     "gas_relaxation",
@@ -36,11 +35,11 @@ LEDGER_NAMES = (
     "shaft_load",
     "coupling",
 )
-"""Order of the ledger states that every machine has; the losses of its flow paths follow."""
+"""Order of the ledger states that every machine has; the losses of its flow paths follow, then the
+masses of held nodes.
+"""
 
-MASS = 0
-GAS_MASS = len(PORT_NODES)
-SHAFT = 2 * len(PORT_NODES)
+SHAFT = 0
 FRICTION = SHAFT + 1
 GAS_RELAXATION = FRICTION + len(FRICTION_MECHANISMS)
 RADIAL_LOAD = GAS_RELAXATION + 1

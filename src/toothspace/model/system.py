@@ -45,12 +45,9 @@ from toothspace.model.friction import book_friction, boundary_torque, mesh_force
 from toothspace.model.lateral_lookup import fill_film_rates, fill_film_weights, update_lateral_films
 from toothspace.model.ledger import (
     COUPLING,
-    GAS_MASS,
     GAS_RELAXATION,
     JOURNAL_ASPERITY,
-    MASS,
     MESH_FRICTION,
-    PORT_NODES,
     RADIAL_LOAD,
     SHAFT,
     SHAFT_LOAD,
@@ -68,7 +65,6 @@ from toothspace.model.tables import fill_slopes, fill_values, find_intervals
 SAME_ANGLE = 1e-13
 SMALLEST_TORQUE = 1e-9
 REVERSED = 1e-4
-PORTS = len(PORT_NODES)
 
 
 @kernel
@@ -123,18 +119,18 @@ def evaluate(s: SystemArrays, state: Array) -> None:
 
 @kernel
 def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
-    """Time derivative of the core states and of the port masses of the ledger."""
+    """Time derivative of the core states and of the masses of held nodes."""
     evaluate(s, state)
-    node, motion, dynamic, size = s.node, s.motion, s.dynamic_index, s.size
+    node, motion, balance, size = s.node, s.motion, s.balance, s.size
     update_elements(s, state, t)
     update_load(s, t)
     rate[0] = state[1]
     rate[1] = shaft_acceleration(t, state, s)
+    for i in range(size.core, size.total):
+        rate[i] = 0.0
     for i in range(size.nodes):
-        d = dynamic[i]
-        if d >= 0:
-            rate[size.mass + d] = node[i, col.MASS_RATE]
-            rate[size.gas + d] = node[i, col.GAS_RATE]
+        rate[balance[i, 0]] = node[i, col.MASS_RATE]
+        rate[balance[i, 1]] = node[i, col.GAS_RATE]
     for k in range(size.motions):
         rate[size.position + k] = state[size.velocity + k]
         carried = motion[k, col.MOTION_RATIO] * rate[1]
@@ -143,13 +139,6 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
         fill_column_rates(s, state, rate)
         fill_film_rates(s, state, rate)
         fill_load_rates(s, state, rate)
-    for i in range(size.core, size.total):
-        rate[i] = 0.0
-    for port in range(PORTS):
-        i = size.chambers + port
-        if dynamic[i] < 0:
-            rate[size.core + MASS + port] = node[i, col.MASS_RATE]
-            rate[size.core + GAS_MASS + port] = node[i, col.GAS_RATE]
 
 
 @kernel
@@ -161,7 +150,7 @@ def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
 
 @kernel
 def book_rates(s: SystemArrays, state: Array, rate: Array) -> None:
-    """Add the rates of the ledger to those of the port masses."""
+    """Add the rates of the ledger to those of the masses of held nodes."""
     update_enthalpies(s)
     ledger = rate[s.size.core :]
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
@@ -235,7 +224,7 @@ def finish_step(
 
     The flows are moved on linearly from the last state of the iteration, which was within the
     tolerance of the accepted one; all else is evaluated, and flows too where paths opened or
-    closed in between. Port masses are left out.
+    closed in between. Masses of held nodes are left out.
     """
     changed = evaluate_pressures(s, state)
     update_lateral_films(s, state)

@@ -19,6 +19,7 @@ from toothspace.model import arrays as col
 
 ITERATIONS = 60
 TOLERANCE = 1e-15
+LEAST_SQUEEZED = 1.01
 
 
 @kernel
@@ -41,7 +42,9 @@ def update_volume(node: Array, mass: float, gas: float, fluid: FluidLaw) -> None
     if node[col.WALL_COMPLIANCE] == 0.0 and node[col.GAS_VOLUME] == 0.0:
         node[col.VOLUME] = node[col.REST_VOLUME]
         return
-    low = node[col.REST_VOLUME]
+    # below this share of its volume the liquid has no pressure
+    densest = fluid.stiffening / (fluid.compliance + fluid.stiffening) / fluid.reference_density
+    low = max(node[col.REST_VOLUME], LEAST_SQUEEZED * mass * densest)
     pressure, _, _ = mixture_pressure(low / mass, gas, fluid)
     high = low + node[col.GAS_VOLUME] + node[col.WALL_COMPLIANCE] * max(pressure, 0.0)
     volume = min(max(node[col.VOLUME], low), high)

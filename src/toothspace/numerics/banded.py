@@ -12,12 +12,14 @@ filled with rows of the identity.
 
 from __future__ import annotations
 
+from math import prod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from toothspace.core.compiled import inlined, njit
+from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 
 Single = NDArray[np.float32]
@@ -26,6 +28,8 @@ PANEL = 4
 """Pivots that are eliminated together, so that a row is read and written once for all of them."""
 _VECTOR = 8
 """Numbers to which the lengths of loops are rounded up."""
+MOST_MEMORY, _SINGLE = 2 * 2**30, 4
+"""Memory that the band of one film may take, and that of one number. [B]"""
 _NONE, _ONE = np.float32(0.0), np.float32(1.0)
 
 
@@ -36,8 +40,33 @@ def _reach(band: Single) -> int:
 
 def empty_band(rows: int, lanes: int) -> Single:
     """Storage for the band of a grid."""
+    return np.empty(_band_shape(rows, lanes), dtype=np.float32)
+
+
+def _band_shape(rows: int, lanes: int) -> tuple[int, int]:
     reach, height = -(-lanes // _VECTOR) * _VECTOR, -(-rows * lanes // PANEL) * PANEL
-    return np.empty((height, 2 * reach + PANEL), dtype=np.float32)
+    return height, 2 * reach + PANEL
+
+
+def check_grid(key: str, grid: tuple[int, int]) -> None:
+    """Refuse a grid whose band does not fit into the memory that one film may take.
+
+    Raises
+    ------
+    CaseError
+        With the key, the memory of the band and the number of lanes that would fit.
+    """
+    rows, lanes = grid
+    needed = _SINGLE * prod(_band_shape(rows, lanes))
+    if needed > MOST_MEMORY:
+        fitting = lanes
+        while _SINGLE * prod(_band_shape(rows, fitting)) > MOST_MEMORY:
+            fitting -= 1
+        raise CaseError(
+            f"{key}: found {rows} x {lanes} cells, whose equations take "
+            f"{needed / 2**30:.1f} GiB of memory, allowed are {MOST_MEMORY / 2**30:g} GiB: "
+            f"{rows} x {fitting} cells fit"
+        )
 
 
 @njit(nogil=True)

@@ -277,7 +277,7 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
 def _refine(
     stencil: Array, blocks: Blocks, unit: Array, sides: Array, x: Array, relative_tolerance: float
 ) -> int:
-    """Correct solutions in place as :func:`~linear_system.refined` does; most iterations."""
+    """Correct solutions in place until the residual of each is small; most iterations."""
     rows, lanes = blocks.known.shape
     size, effort = sides.shape[1], 0
     basis, images = np.empty((_MOST + 1, size)), np.empty((_MOST, size))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from toothspace.advice.findings import findings_of, status_line
 from toothspace.advice.limits import limits_of
 from toothspace.advice.verdict import verdict
+from toothspace.case.presets import INTERFACES, MODELS
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.files import path_of, require_ending, write_text
 from toothspace.core.types import Array
@@ -24,7 +25,6 @@ from toothspace.report.wording import format_value, quantity, shown_unit
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
-from toothspace.simulation.presets import INTERFACES, MODELS, models_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -236,9 +236,11 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
 def _background(solution: Solution) -> dict[str, Any]:
     provenance = solution.provenance
     rows = {k: v for k, v in provenance.items() if k not in _PROVENANCE_TEXTS}
-    models = models_of(provenance.get("interfaces", ""))
+    models = {name: rows.pop(f"{name}_model", "") for name in INTERFACES}
     return {
-        "models": [(INTERFACES[name], model, MODELS[model]) for name, model in models.items()],
+        "models": [
+            (INTERFACES[name], model, MODELS[model]) for name, model in models.items() if model
+        ],
         "provenance": [(k.replace("_", " "), v or "none") for k, v in rows.items()],
         "case_toml": provenance.get("case_toml", ""),
         "statistics": [

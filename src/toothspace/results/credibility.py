@@ -190,7 +190,7 @@ def _bodies(solution: Solution) -> Iterator[Finding]:
     """Teeth that would part, contacts that hit, bearing blocks on the side away from the load."""
     data = solution.data
     if "contact_force" in data:
-        rigid = "contact: rigid" in solution.provenance.get("interfaces", "")
+        rigid = solution.provenance.get("contact_model") == "rigid"
         yield from _pull(data["contact_force"]) if rigid else _impacts(data)
     if "seat_position" in data and "journal_force" in data:
         rest = [d for d in data["journal_force"].dims if d not in ("body", "axis")]

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 MASS_ENTRIES: Mapping[str, str] = {
-    "inlet": "into the machine through the inlet",
-    "outlet": "out of the machine through the outlet",
+    "inlet": "into the machine through the inlet, or out of tanks into its circuit",
+    "outlet": "out of the machine through the outlet, or out of its circuit into tanks",
     "drain": "out of the machine through an external drain",
     "stored_change": "increase of the mass inside",
 }

@@ -287,7 +287,7 @@ def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator != 0.0 else float("nan")
 
 
-_LATERAL = {
+LATERAL = {
     "lateral_leakage_L_per_min": ("lateral_leakage", 6e4),
     "lateral_torque_N_m": ("lateral_torque", 1.0),
     "axial_load_N": ("lateral_axial_force", 1.0),
@@ -306,6 +306,7 @@ _LATERAL = {
     "face_deflection_error_um": ("film_deformation_error", 1e6),
     "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
 }
+"""Statistics of lateral films and the size of their unit in that of the number. By its name."""
 
 
 def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[str, float]:
@@ -319,7 +320,7 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
         Numbers of the films in SI units; without them and tables the result is empty.
     """
     numbers = {
-        name: statistics[key] * unit for name, (key, unit) in _LATERAL.items() if key in statistics
+        name: statistics[key] * unit for name, (key, unit) in LATERAL.items() if key in statistics
     }
     if "axial_load" in data:
         numbers["axial_load_N"] = float(data["axial_load"].mean())

@@ -41,6 +41,9 @@ _MARGIN = 0.1
 _TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
 """Roles of the paths through which a chamber that is sealed from both ports still flows."""
 
+_SIDES = dict(zip(PORT_NODES, ("inlet", "outlet", "drain", "outlet", "inlet"), strict=True))
+"""Port to which the mass in a node counts."""
+
 _PORTS: tuple[PathRole, ...] = (
     "inlet_port",
     "outlet_port",
@@ -144,34 +147,37 @@ def _trapped_losses(history: History, seen: Observation, trapped: BoolArray) -> 
 
 
 def window_ledger(history: History) -> Ledger:
-    """Masses and energies between the first and the last state."""
+    """Masses and energies between the first and the last state.
+
+    Of a circuit, ends of elements at tanks count to the inlet where they give fluid, and to the
+    outlet where they take it.
+    """
     system, size = history.system, history.system.arrays.size
     first, last = history.states[0], history.states[-1]
     names = (*LEDGER_NAMES, *(category.account for category in system.categories))
-    change = dict(zip(names, last[size.core :] - first[size.core :], strict=True))
-    entries = dict(change)
+    change = last - first
+    entries = dict(zip(names, change[size.core :], strict=False))
+    orifice = entries.get(LOAD_ORIFICE.account, 0.0)
     load_work = entries.pop("shaft_load")
     valves = entries.pop("circuit") + entries.pop(CIRCUIT_ORIFICE.account, 0.0)
     beyond = 0.0 if system.condition.over_time else valves
     motor = system.description.mode == "motor"
-    for name in ("mass_load", "mass_supply", *(f"gas_{port}" for port in PORT_NODES)):
-        entries.pop(name)
-    energy = {port: _port_energy(system, port, change) for port in PORT_NODES}
-    load = energy["load"] + change.get(LOAD_ORIFICE.account, 0.0)
+    mass, energy = _held(system, change)
     entries |= {
-        "mass_inlet": -change["mass_inlet"] - change["mass_supply"],
-        "mass_outlet": change["mass_outlet"] + change["mass_load"],
+        "mass_inlet": -mass["inlet"],
+        "mass_outlet": mass["outlet"],
+        "mass_drain": mass["drain"],
         "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
-        "port_inlet": -energy["inlet"] - energy["supply"] - motor * beyond,
+        "port_inlet": -energy["inlet"] - motor * beyond,
         "circuit": valves - beyond,
-        "port_outlet": energy["outlet"] + load + (not motor) * beyond,
+        "port_outlet": energy["outlet"] + orifice + (not motor) * beyond,
         "port_drain": energy["drain"],
         "stored_change": stored_energy(system, last) - stored_energy(system, first),
         "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
         "elastic_change": elastic_energy(system, last) - elastic_energy(system, first),
     }
     if beyond:
-        entries["load_orifice"] = change.get(LOAD_ORIFICE.account, 0.0) + beyond
+        entries["load_orifice"] = orifice + beyond
     if system.condition.free_shaft:
         entries["shaft"] = -load_work
     return ledger_from(
@@ -182,14 +188,22 @@ def window_ledger(history: History) -> Ledger:
     )
 
 
-def _port_energy(system: System, port: str, change: Mapping[str, float]) -> float:
-    """Energy that flowed into a port of constant pressure, from its masses. [J]."""
-    node = system.arrays.node[system.arrays.size.chambers + PORT_NODES.index(port)]
-    gas = change[f"gas_{port}"]
-    liquid = change[f"mass_{port}"] - gas
-    fluid = system.arrays.fluid
-    of_liquid, of_gas = partial_enthalpies(node[col.PRESSURE], node[col.GAS], fluid)
-    return float(liquid * of_liquid + gas * of_gas)
+def _held(system: System, change: Array) -> tuple[dict[str, float], dict[str, float]]:
+    """Mass [kg] and energy [J] that flowed into nodes of held pressure, by port."""
+    arrays = system.arrays
+    sums: tuple[dict[str, float], ...] = tuple(
+        dict.fromkeys(("inlet", "outlet", "drain"), 0.0) for _ in range(2)
+    )
+    for name, place in node_places(system.description, system.condition).items():
+        if arrays.dynamic_index[place] >= 0:
+            continue
+        mass, gas = change[arrays.balance[place]]
+        pressure, share = arrays.node[place, [col.PRESSURE, col.GAS]]
+        of_liquid, of_gas = partial_enthalpies(pressure, share, arrays.fluid)
+        port = _SIDES.get(name) or ("outlet" if mass > 0.0 else "inlet")
+        sums[0][port] += float(mass)
+        sums[1][port] += float((mass - gas) * of_liquid + gas * of_gas)
+    return sums[0], sums[1]
 
 
 def stored_mass(system: System, state: Array) -> float:
@@ -278,8 +292,7 @@ def into_port(history: History, seen: Observation, port: str) -> Array:
     """
     system = history.system
     node = node_places(system.description, system.condition)[port]
-    d, size = int(system.arrays.dynamic_index[node]), system.arrays.size
-    column = size.core + LEDGER_NAMES.index(f"mass_{port}") if d < 0 else size.mass + d
+    column = system.arrays.balance[node, 0]
     if history.times.size < 2:
         return np.full(history.times.size, np.nan)
     stored = np.gradient(history.states[:, column], history.times)

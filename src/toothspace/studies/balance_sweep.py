@@ -139,12 +139,13 @@ def film_tables(
 
 def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     condition = PointCondition.of(points.case, "", outlet_pressure=pressure)
-    lumped, machine = points.lumped(condition)(), points.machine
+    run = points.run
+    lumped = points.lumped(condition)(run.machine)
     if lumped.status is Status.INTERRUPTED:
         raise KeyboardInterrupt
-    problem = lateral_problem(machine.description, machine.fluid, lumped.data, points.settings)
+    problem = lateral_problem(run.machine, run.fluid, lumped.data, points.settings)
     rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")
-    plane = lateral_problem(machine.description, machine.fluid, lumped.data, rigid)
+    plane = lateral_problem(run.machine, run.fluid, lumped.data, rigid)
     back, bearing = problem.loads.back, problem.stack.balance.floating
     difference = back.high - back.low
     rows = [_row(problem, gap) for gap in GAPS]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -75,7 +76,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         )
         for clearance, difference in pairs
     ]
-    records = collected(points, context, contact_numbers)
+    records = collected(points, context, ContactNumbers(study.force_fraction))
     heads = {
         "tip clearance (um)": [1e6 * clearance for clearance, _ in pairs],
         "pressure difference (bar)": [1e-5 * difference for _, difference in pairs],
@@ -93,29 +94,41 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     )
 
 
-def contact_numbers(case: Case) -> Mapping[str, Any]:
-    """Run a case and return the numbers of its contacts."""
-    from toothspace import api
-    from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
+@final
+@dataclass(frozen=True)
+class ContactNumbers:
+    """Runs a case and returns the numbers of its contacts."""
 
-    solution = api.simulate(case)
-    share = getattr(case.study, "force_fraction", LOADED_SHARE)
-    found = tooth_forces(solution.data, api.describe(case))
-    loaded = found.loaded(share)
-    mechanisms = [str(name) for name in solution.data["mechanism"].values]
-    means = np.asarray(solution.data["torque_loss"]).mean(axis=0)
-    losses = dict(zip(mechanisms, means, strict=True))
-    contact = losses.pop(_MECHANISM)
-    return {
-        "span_pitches": found.span(share),
-        "least_teeth_loaded": int(loaded.min()),
-        "most_teeth_loaded": int(loaded.max()),
-        "mean_contact_force_N": found.mean_total,
-        "largest_contact_force_N": float(found.force.max()),
-        "contact_friction_torque_N_m": float(contact),
-        "gap_friction_torque_N_m": float(sum(losses.values())),
-        **solution.summary(),
-    }
+    share: float
+    """Share of the mean total contact force that counts as contact. [-]"""
+
+    @property
+    def label(self) -> str:
+        """What is evaluated."""
+        return f"contacts above {self.share!r}"
+
+    def __call__(self, case: Case) -> Mapping[str, Any]:
+        """Span, teeth loaded, forces and torques beside the summary numbers."""
+        from toothspace import api
+        from toothspace.results.tooth_contacts import tooth_forces
+
+        solution = api.simulate(case)
+        found = tooth_forces(solution.data, api.describe(case))
+        loaded = found.loaded(self.share)
+        mechanisms = [str(name) for name in solution.data["mechanism"].values]
+        means = np.asarray(solution.data["torque_loss"]).mean(axis=0)
+        losses = dict(zip(mechanisms, means, strict=True))
+        contact = losses.pop(_MECHANISM)
+        return {
+            "span_pitches": found.span(self.share),
+            "least_teeth_loaded": int(loaded.min()),
+            "most_teeth_loaded": int(loaded.max()),
+            "mean_contact_force_N": found.mean_total,
+            "largest_contact_force_N": float(found.force.max()),
+            "contact_friction_torque_N_m": float(contact),
+            "gap_friction_torque_N_m": float(sum(losses.values())),
+            **solution.summary(),
+        }
 
 
 def _waveforms(case: Case) -> xr.Dataset:
@@ -125,7 +138,7 @@ def _waveforms(case: Case) -> xr.Dataset:
     from toothspace import api
     from toothspace.results.tooth_contacts import tooth_forces
 
-    complete = api.simulate(case)
+    complete = api.simulate(case.at_point({}))
     ideal = api.simulate(case.at_point({"run.fidelity": "ideal"}))
     single = api.simulate(case.at_point({_THEORY: "single"}))
     angle = _last_turn(complete)

@@ -10,6 +10,7 @@ from toothspace import api
 from toothspace.case import Case
 from toothspace.case.study import DesignScanStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import suggestion
 from toothspace.core.status import Status
 from toothspace.core.units import to_si
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
@@ -53,7 +54,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     wanted = (study.objective, *(study.constraints or {}))
     for name in wanted:
         if name not in designs.numbers:
-            found, allowed = f"{name!r}, which is no result", ", ".join(designs)
+            found, allowed = f"{name!r}, which is no result", suggestion(name, designs)
             raise CaseError(f"{case.label}: study: found {found}, allowed {allowed}")
     if not designs.valid.any():
         against = "; ".join(f"{text}: {count}" for text, count in designs.counts().items())

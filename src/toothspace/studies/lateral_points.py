@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from toothspace.api import set_up
+from toothspace import api
 from toothspace.case import Case
 from toothspace.case.study import HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
@@ -18,16 +18,20 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
 from toothspace.results.variables import variable
-from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.lateral.coupling import CoupledPoint, PointRequest, couple_point
+from toothspace.run.elastic import lateral_settings
+from toothspace.run.run import Run
+from toothspace.simulation.lateral.coupling import (
+    CoupledPoint,
+    LumpedRun,
+    PointRequest,
+    couple_point,
+)
 from toothspace.simulation.lateral.problem import (
     LateralNumbers,
     LateralSettings,
     balance_of,
     require_floating_part,
 )
-from toothspace.simulation.lumped import RepeatedRun, RunInMachine, run_in_machine
-from toothspace.simulation.setup import condition_of
 from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import (
     FIELDS,
@@ -184,7 +188,7 @@ class LateralPoints:
 
     case: Case
     """The case, with an operating point."""
-    machine: RunInMachine
+    run: Run
     """The machine after running-in, with the housing friction of the study."""
     settings: LateralSettings
     """Grids and laws of the films."""
@@ -194,15 +198,15 @@ class LateralPoints:
     @property
     def balance(self) -> LateralBalance:
         """Lateral balance of the machine."""
-        return balance_of(self.machine.description)
+        return balance_of(self.run.machine)
 
     def solve(
         self, point: PointCondition, start: Array | float, progress: Progress | None = None
     ) -> CoupledPoint:
         """Coupled solution of one point, begun from positions or from a gap. [m, rad]."""
         return couple_point(
-            self.machine.description,
-            self.machine.fluid,
+            self.run.machine,
+            self.run.fluid,
             self.lumped(point, progress),
             self._request(point, start),
         )
@@ -219,11 +223,11 @@ class LateralPoints:
         They share the chamber pressures of the first. After an interrupt by the user those that
         are finished; records are kept as by :func:`follow`.
         """
-        machine, shared = self.machine, cache(self.lumped(conditions[0]))
+        run, shared = self.run, cache(self.lumped(conditions[0]))
 
         def solved(condition: PointCondition) -> CoupledPoint:
             request = replace(self._request(condition, start_gap), rounds=1)
-            return couple_point(machine.description, machine.fluid, lambda _: shared(), request)
+            return couple_point(run.machine, run.fluid, lambda _: shared(run.machine), request)
 
         found = []
         for condition, key in zip(conditions, keys, strict=True):
@@ -233,9 +237,9 @@ class LateralPoints:
             found.append(point)
         return tuple(found)
 
-    def lumped(self, point: PointCondition, progress: Progress | None = None) -> RepeatedRun:
+    def lumped(self, point: PointCondition, progress: Progress | None = None) -> LumpedRun:
         """Lumped runs of one point, of the machine and of changed ones."""
-        base = condition_of(self.case, self.machine.description)
+        base = self.run.condition
         condition = replace(
             base,
             shaft_speed=point.shaft_speed,
@@ -243,7 +247,7 @@ class LateralPoints:
             outlet_pressure=point.outlet_pressure,
             relative_tolerance=max(base.relative_tolerance, _LUMPED_TOLERANCE),
         )
-        return self.machine.at(condition, progress)
+        return replace(self.run, condition=condition).repeated(progress)
 
     def _request(self, point: PointCondition, start: Array | float) -> PointRequest:
         return PointRequest(
@@ -277,17 +281,17 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
             f"operating_point: found none with study.kind = {kind!r}, allowed {allowed}"
         )
     require_floating_part(case)
-    run = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
-    machine = run_in_machine(set_up(replace(case, run=run)))
-    balance = balance_of(machine.description)
+    few = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
+    run = api.prepare(replace(case, run=few)).worn().with_films()
+    balance = balance_of(run.machine)
     own = balance.floating.housing
     friction = own if friction is None else replace(friction, area=own.area)
     floating = replace(balance.floating, housing=friction)
-    description = replace(machine.description, lateral_balance=replace(balance, floating=floating))
+    machine = replace(run.machine, lateral_balance=replace(balance, floating=floating))
     settings = lateral_settings(case)
     if friction.law == "stribeck":
         settings = replace(settings, dwell=_CREEP_TIME)
-    return LateralPoints(case, replace(machine, description=description), settings)
+    return LateralPoints(case, replace(run, machine=machine), settings)
 
 
 def follow(

@@ -13,6 +13,7 @@ from toothspace.case.study import OptimiseStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.results.summary_names import require_known
 from toothspace.studies.least_squares import fit
 from toothspace.studies.points import evaluate_points, point, require_accepted
 from toothspace.studies.records import Record, failed_count
@@ -51,6 +52,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, OptimiseStudy)
+    _require_known(case, study)
     search = _TriedPoints(case, study, context)
     status = Status.DONE
     try:
@@ -77,6 +79,13 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers=search.numbers(best),
         tables=(*search.best_table(best), points_table(search.axes, search.rows, search.records)),
     )
+
+
+def _require_known(case: Case, study: OptimiseStudy) -> None:
+    wanted = {"study.objective": study.objective} if study.objective else {}
+    wanted |= {f"study.targets.{name}": name for name in study.targets or {}}
+    wanted |= {f"study.constraints.{name}": name for name in study.constraints or {}}
+    require_known(wanted, case.label, over_time=case.circuit is not None)
 
 
 @final

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, final
 
-import toothspace
 from toothspace.case import Case, OperatingPoint
+from toothspace.core.compilation.cache import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.progress import tell
@@ -18,6 +18,7 @@ from toothspace.core.status import Status
 from toothspace.core.units import from_si
 from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
 from toothspace.studies.study import StudyContext
+from toothspace.studies.workers import WorkerLostError
 
 Evaluate = Callable[[Case], Mapping[str, Any]]
 """Numbers of one case, with its ``status`` among them.
@@ -109,7 +110,9 @@ def evaluate_points(
     tell(context.progress, done / max(len(points), 1), f"point {done} of {len(points)}")
     compute, tasks = partial(_evaluated, evaluate), list(open_cases.items())
     try:
-        for _, record in context.workers.each(compute, tasks):
+        for k, record in context.workers.each(compute, tasks):
+            if isinstance(record, WorkerLostError):
+                record = Record(tasks[k][0], FAILED, message=str(record))
             if record.status == INTERRUPTED:
                 raise KeyboardInterrupt
             context.records.add(record)
@@ -173,7 +176,7 @@ def require_accepted(records: Sequence[Record]) -> None:
 def _key(item: Point, evaluate: Evaluate) -> str:
     content = repr(sorted(item.values.items())) if item.case is None else item.case.hash
     name = getattr(evaluate, "label", None) or f"{evaluate.__module__}.{evaluate.__qualname__}"
-    text = "\n".join((content, str(name), toothspace.__version__))
+    text = "\n".join((content, str(name), digest_of_sources()))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 

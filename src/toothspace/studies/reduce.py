@@ -25,8 +25,9 @@ from toothspace.films.journal.mixed_lubrication import (
 )
 from toothspace.model.description import MachineDescription
 from toothspace.model.quasi_static import mean_force
-from toothspace.simulation.elastic import lateral_settings
-from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
+from toothspace.run.elastic import lateral_settings
+from toothspace.run.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
+from toothspace.run.run import Run, provenance_of
 from toothspace.simulation.lateral.reduction import (
     COLUMNS,
     LateralReduction,
@@ -35,8 +36,6 @@ from toothspace.simulation.lateral.reduction import (
     loaded_condition,
     reduce_lateral,
 )
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Setup, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
@@ -78,8 +77,8 @@ def reduce_films(
     CaseError
         If the case has no machine, or the machine no such film.
     """
-    setup = api.set_up(case)
-    able = [kind for kind, found in REDUCED.items() if found.has(setup.description)]
+    run = api.prepare(case)
+    able = [kind for kind, found in REDUCED.items() if found.has(run.machine)]
     wanted = list(kinds) or able
     for kind in wanted or ["none"]:
         if kind not in able:
@@ -88,7 +87,7 @@ def reduce_films(
     parts = []
     for k, kind in enumerate(wanted):
         own = part(progress, kind, k / len(wanted), (k + 1) / len(wanted))
-        parts.append(REDUCED[kind].reduce(setup, own, (pressures, speeds)))
+        parts.append(REDUCED[kind].reduce(run, own, (pressures, speeds)))
     tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
     tables.attrs |= {KINDS: " ".join(wanted), **provenance_of(case)}
     return tables
@@ -105,12 +104,12 @@ def reduce_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
-def reduce_journals(setup: Setup, progress: Progress | None = None) -> xr.Dataset:
+def reduce_journals(run: Run, progress: Progress | None = None) -> xr.Dataset:
     """Friction of every journal bearing over load and Sommerfeld number.
 
     Parameters
     ----------
-    setup : Setup
+    run : Run
         Machine, fluid and condition; the loads are shares of its mean pressure load.
 
     Returns
@@ -124,9 +123,9 @@ def reduce_journals(setup: Setup, progress: Progress | None = None) -> xr.Datase
     walls. The load is that of quasi-static chamber pressures; the mesh force is part of it
     where the machine ties the bodies by a rigid mesh.
     """
-    description = setup.description
-    force = mean_force(description, setup.condition)
-    viscosity = float(setup.fluid.dynamic_viscosity)
+    description = run.machine
+    force = mean_force(description, run.condition)
+    viscosity = float(run.fluid.dynamic_viscosity)
     sweeps: list[list[FrictionSweep]] = []
     loads: list[list[float]] = []
     for number, journal in enumerate(description.journals):
@@ -213,13 +212,13 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
 
 
 def reduce_lateral_films(
-    setup: Setup, progress: Progress | None = None, grid: Grid = ((), ())
+    run: Run, progress: Progress | None = None, grid: Grid = ((), ())
 ) -> xr.Dataset:
     """Torque and leakage beside the faces over load, pressure difference and shaft speed.
 
     Parameters
     ----------
-    setup : Setup
+    run : Run
         Machine with a floating bearing, fluid and condition.
     grid : tuple of sequence of float, optional
         Pressure differences [Pa] and shaft speeds [rad/s]; those of the condition where empty.
@@ -236,19 +235,17 @@ def reduce_lateral_films(
     CaseError
         If the case has no operating point.
     """
-    case, balance = setup.case, setup.description.lateral_balance
+    case, balance = run.case, run.machine.lateral_balance
     assert balance is not None
     if case.operating_point is None:
         raise CaseError("--film: found lateral films, allowed with an [operating_point]")
     # the films of this machine are what is to be found
-    machine = run_in_machine(
-        api.set_up(replace(case, run=replace(case.run, film_tables=None))), progress
-    )
-    at = setup.condition
-    inward = balance.high_node == setup.description.inlet_node
+    bare = api.prepare(replace(case, run=replace(case.run, film_tables=None)))
+    ready, at = bare.worn(progress).with_films(progress), run.condition
+    inward = balance.high_node == run.machine.inlet_node
     high, low = (at.inlet_pressure, at.outlet_pressure)[:: 1 if inward else -1]
     grid = sorted(grid[0] or (high - low,)), sorted(grid[1] or (at.shaft_speed,))
-    plain, fluid = machine.description, setup.fluid
+    plain, fluid = ready.machine, run.fluid
     pairs = list(product(*grid))
     count = len(pairs)
     conditions: list[LoadedCondition] = []
@@ -258,19 +255,19 @@ def reduce_lateral_films(
         )
         inlet, outlet = (low + rise, low) if inward else (low, low + rise)
         condition = replace(at, shaft_speed=speed, inlet_pressure=inlet, outlet_pressure=outlet)
-        runs = machine.at(condition)
-        conditions.append(loaded_condition(plain, fluid, runs, lateral_settings(case)))
+        march = replace(ready, condition=condition).repeated()
+        conditions.append(loaded_condition(plain, fluid, march, lateral_settings(case)))
     shares = load_shares(conditions)
     found: list[LateralReduction] = []
     for number, loaded in enumerate(conditions):
         done = (0.5 + 0.5 * (number + k) / count for k in (0, 1))
         own = part(progress, f"loads, {number + 1} of {count}", *done)
         found.append(reduce_lateral(loaded, plain, fluid, shares, own))
-    return _lateral_tables(setup, grid, shares, found)
+    return _lateral_tables(run, grid, shares, found)
 
 
 def _lateral_tables(
-    setup: Setup, grid: Grid, shares: tuple[Array, Array], found: list[LateralReduction]
+    run: Run, grid: Grid, shares: tuple[Array, Array], found: list[LateralReduction]
 ) -> xr.Dataset:
     over = (
         "lateral_force_share",
@@ -299,10 +296,10 @@ def _lateral_tables(
     }
     for name, (numbers, units, text) in of_condition.items():
         values[f"lateral_{name}"] = (over[2:], laid(numbers), _about(units, text))
-    for name, size in lateral_sizes(setup.description).items():
+    for name, size in lateral_sizes(run.machine).items():
         units = "m" if name == "height" else "m2"
         values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
-    viscosity = float(setup.fluid.dynamic_viscosity)
+    viscosity = float(run.fluid.dynamic_viscosity)
     values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
     axes = {
         over[0]: (shares[0], "1", "Axial force, away from the faces, over force_unit"),
@@ -343,14 +340,14 @@ class ReducedFilm:
     """One kind of film: whether a machine has it, its tables, and their summary."""
 
     has: Callable[[MachineDescription], bool]
-    reduce: Callable[[Setup, Progress | None, Grid], xr.Dataset]
+    reduce: Callable[[Run, Progress | None, Grid], xr.Dataset]
     summary: Callable[[xr.Dataset], dict[str, Any]]
 
 
 REDUCED: Mapping[str, ReducedFilm] = {
     "journal": ReducedFilm(
         has=lambda description: bool(description.journals),
-        reduce=lambda setup, progress, _: reduce_journals(setup, progress),
+        reduce=lambda run, progress, _: reduce_journals(run, progress),
         summary=_journal_summary,
     ),
     "lateral": ReducedFilm(

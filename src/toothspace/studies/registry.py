@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 
 from toothspace.case import Case
-from toothspace.case.study import STUDIES
+from toothspace.case.study import study_kind
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.studies.records import FILE_NAME, Records
@@ -32,7 +32,7 @@ def kind_of(case: Case) -> str:
     if case.study is None:
         allowed = "a table [study] with its kind"
         raise CaseError(f"{case.label}: study: found nothing, allowed {allowed}")
-    return next(name for name, spec in STUDIES.items() if spec is type(case.study))
+    return study_kind(case.study)
 
 
 def run_study(
@@ -71,7 +71,7 @@ def run_study(
     CaseError
         If the case asks for the impossible.
     """
-    from toothspace.simulation.setup import provenance_of
+    from toothspace.run.run import provenance_of
 
     kind = kind_of(case)
     module = import_module(f"toothspace.studies.{kind}")

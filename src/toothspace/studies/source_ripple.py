@@ -46,7 +46,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study, operating = case.study, case.operating_point
     assert isinstance(study, SourceRippleStudy)
-    if operating is None or operating.line is None or case.run.fidelity == "ideal":
+    if operating is None or operating.line is None or not case.run.preset.has_losses:
         allowed = "allowed a steady case with operating_point.line and compressible fluid"
         raise CaseError(f"{case.source}: study.kind: found no line to pulsate in, {allowed}")
     step = operating.line.length / operating.line.cells

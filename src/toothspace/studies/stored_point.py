@@ -11,8 +11,8 @@ from typing import Any, final
 
 import numpy as np
 
-import toothspace
 from toothspace.case import Case
+from toothspace.core.compilation.cache import digest_of_sources
 from toothspace.core.files import plain
 from toothspace.core.status import Status
 from toothspace.core.types import Array
@@ -127,5 +127,5 @@ def point_key(case: Case, *what: object) -> str:
     *what : object
         Numbers and texts that the point depends on besides the case.
     """
-    text = "\n".join((case.at_point({}).hash, repr(what), toothspace.__version__))
+    text = "\n".join((case.at_point({}).hash, repr(what), digest_of_sources()))
     return hashlib.sha256(text.encode()).hexdigest()[:32]

@@ -10,6 +10,7 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.study import Limit, ToleranceStudy
 from toothspace.core.types import Array
+from toothspace.results.summary_names import require_known
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
@@ -34,6 +35,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
     study = case.study
     assert isinstance(study, ToleranceStudy)
+    wanted = {f"study.limits.{name}": name for name in study.limits or {}}
+    require_known(wanted, case.label, over_time=case.circuit is not None)
     axes = axes_of(study.vary, case.label)
     indices = study.sensitivity == "sobol_indices"
     keys = [axis.path for axis in axes]

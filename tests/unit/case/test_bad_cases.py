@@ -74,7 +74,7 @@ def changed(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
 
 def complaint(capsys: pytest.CaptureFixture[str], file: Path, output: Path, *options: str) -> str:
     """Run a case that must fail; return the one line on standard error, compilation aside."""
-    code = main(["run", str(file), "-o", str(output), *options])
+    code = main(["run", str(file), "-o", str(output), "--without-study", *options])
     streams = capsys.readouterr()
     lines = [row for row in streams.err.splitlines() if not row.startswith("Compiling ")]
     assert code == 2, streams.err

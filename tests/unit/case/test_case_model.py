@@ -17,7 +17,8 @@ from toothspace.case import Case
 from toothspace.case.tables import MACHINE_TABLES
 from toothspace.core.keys import KeyTable, keys_of
 from toothspace.core.units import Quantity, exact_text, parse_quantity, to_si
-from toothspace.simulation.setup import fluid_of, provenance_of
+from toothspace.run.condition import fluid_of
+from toothspace.run.run import provenance_of
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))

@@ -11,6 +11,7 @@ import pytest
 from toothspace.case import Case, load_case
 from toothspace.case.circuit import Fan, Hose, PumpMap, ReliefValve, Tank
 from toothspace.case.document import document_text, parse_document
+from toothspace.case.presets import PRESETS
 from toothspace.case.study import (
     CalibrateStudy,
     ContactSpanStudy,
@@ -20,7 +21,6 @@ from toothspace.case.study import (
     SweepStudy,
 )
 from toothspace.core.errors import CaseError
-from toothspace.simulation.presets import PRESETS
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))

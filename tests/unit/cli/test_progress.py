@@ -50,7 +50,7 @@ def test_nobody_listens() -> None:
 
 
 def test_running_in_and_run_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from toothspace.simulation import running_in
+    from toothspace.run import running_in
 
     monkeypatch.setattr(running_in, "load", lambda key: None)
     monkeypatch.setattr(running_in, "save", lambda key, depths: None)

@@ -26,8 +26,7 @@ from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation import running_in
-from toothspace.simulation.setup import Setup, fluid_of
+from toothspace.run import running_in
 from toothspace.solver import cyclic
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 
@@ -108,8 +107,8 @@ def machine() -> Any:
     )
 
 
-def run_in(case: Case) -> running_in.WornMachine:
-    return running_in.run_in(Setup(case, machine(), fluid_of(case)))
+def run_in(case: Case) -> running_in.Tracks:
+    return running_in.run_in(case, machine())
 
 
 def marches(monkeypatch: pytest.MonkeyPatch, status: Status) -> list[RunPlan]:

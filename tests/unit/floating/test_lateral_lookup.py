@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -39,10 +39,9 @@ from toothspace.model.lateral_table import (
 )
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
-from toothspace.simulation import lumped
-from toothspace.simulation.lumped import RunInMachine, run_in_machine, within_table
-from toothspace.simulation.running_in import WornMachine
-from toothspace.simulation.setup import Setup
+from toothspace.run import run as run_module
+from toothspace.run.run import Run
+from toothspace.run.seats import SeatSearch
 from toothspace.solver.accuracy import Assembled
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
@@ -104,35 +103,33 @@ def one_node(leakage: float = 1.0, shear: float = 1.0) -> LateralTable:
 
 
 @pytest.fixture(scope="module")
-def setup() -> Setup:
+def run() -> Run:
     case = load_case(CASE)
-    return api.set_up(replace(case, run=replace(case.run, film_tables=None)))
+    return api.prepare(replace(case, run=replace(case.run, film_tables=None)))
 
 
-def _begun(
-    setup: Setup, machine: MachineDescription, angle: float = 0.0
-) -> tuple[SystemArrays, Array]:
-    system = assemble(machine, setup.fluid, replace(setup.condition, shaft_angle=angle))
+def _begun(run: Run, machine: MachineDescription, angle: float = 0.0) -> tuple[SystemArrays, Array]:
+    system = assemble(machine, run.fluid, replace(run.condition, shaft_angle=angle))
     return system.arrays, start_state(system)
 
 
 @pytest.fixture(scope="module")
-def tabulated(setup: Setup) -> tuple[SystemArrays, Array]:
-    return _begun(setup, replace(setup.description, lateral_table=Films().table()))
+def tabulated(run: Run) -> tuple[SystemArrays, Array]:
+    return _begun(run, replace(run.machine, lateral_table=Films().table()))
 
 
 @pytest.mark.parametrize(("force", "counts_as"), [(0.13, 0.13), (-0.27, -0.27), (0.9, 0.4)])
 def test_values_between_nodes(
-    setup: Setup, tabulated: tuple[SystemArrays, Array], force: float, counts_as: float
+    run: Run, tabulated: tuple[SystemArrays, Array], force: float, counts_as: float
 ) -> None:
     arrays, begin = tabulated
     state = begin.copy()
     state[arrays.size.film] = force
     evaluate_state(arrays, state)
     now, films = arrays.lateral.now, Films()
-    viscosity, difference = float(setup.fluid.dynamic_viscosity), 199e5
+    viscosity, difference = float(run.fluid.dynamic_viscosity), 199e5
     at = np.array(counts_as), np.array(1e-6 * difference), np.array(viscosity * state[1])
-    balance = setup.description.lateral_balance
+    balance = run.machine.lateral_balance
     assert balance is not None
     unit = difference * balance.floating.high_pressure.area
     reach = balance.interfaces[0].face.outer_radius
@@ -146,18 +143,18 @@ def test_values_between_nodes(
     assert now[LAG_TIME] == pytest.approx(LAG_NUMBER * viscosity / difference, rel=1e-6)
 
 
-def test_load_is_that_of_the_faces(setup: Setup) -> None:
-    machine = replace(setup.description, lateral_table=Films().table())
+def test_load_is_that_of_the_faces(run: Run) -> None:
+    machine = replace(run.machine, lateral_table=Films().table())
     balance = machine.lateral_balance
     assert balance is not None
     found, wanted = [], []
     unit = 199e5 * balance.floating.high_pressure.area
     # the ports' parts count by their mean over a pitch, so the means of a pitch agree
     for share in (np.arange(4) + 0.5) / 4:
-        arrays, state = _begun(setup, machine, share * load_period(balance))
+        arrays, state = _begun(run, machine, share * load_period(balance))
         seen = observe(arrays, state[None, :])
         found.append(seen.lateral[0, [FORCE_SHARE, MOMENT_SHARE]] * seen.lateral[0, LOAD_SCALE])
-        pressure = seen.pressure[0, : setup.description.drain_node + 1]
+        pressure = seen.pressure[0, : run.machine.drain_node + 1]
         load = pressure @ load_weights(balance, state[0], pressure.size) - preload_of(balance)
         wanted.append(load / np.array([1.0, balance.interfaces[0].face.outer_radius]))
     assert np.mean(found, axis=0) == pytest.approx(np.mean(wanted, axis=0), abs=0.01 * unit)
@@ -184,9 +181,9 @@ def test_films_follow_the_load_by_their_lag(tabulated: tuple[SystemArrays, Array
     assert np.all(path.y[1] == 0.0)
 
 
-def test_films_stay_at_the_edge_of_their_table(setup: Setup) -> None:
+def test_films_stay_at_the_edge_of_their_table(run: Run) -> None:
     table = replace(Films().table(), force_share=FORCES + 1.0)
-    arrays, state = _begun(setup, replace(setup.description, lateral_table=table))
+    arrays, state = _begun(run, replace(run.machine, lateral_table=table))
     rate = np.zeros(arrays.size.total)
     assert state[arrays.size.film] == pytest.approx(0.4)
     evaluate_state(arrays, state)
@@ -197,30 +194,27 @@ def test_films_stay_at_the_edge_of_their_table(setup: Setup) -> None:
     assert rate[arrays.size.film] < 0.0
 
 
-def test_one_node_is_a_machine_of_other_gaps(setup: Setup) -> None:
-    plain, wider = setup.description, with_lateral_leakage(setup.description, 8.0)
-    arrays, state = _begun(setup, wider)
+def test_one_node_is_a_machine_of_other_gaps(run: Run) -> None:
+    plain, wider = run.machine, with_lateral_leakage(run.machine, 8.0)
+    arrays, state = _begun(run, wider)
     table = replace(one_node(8.0), seat_factor=8.0)
-    looked_up, begun = _begun(setup, replace(plain, lateral_table=table))
+    looked_up, begun = _begun(run, replace(plain, lateral_table=table))
     film = arrays.size.film
     evaluate_state(arrays, state)
     evaluate_state(looked_up, np.concatenate([state[:film], begun[film : film + 2], state[film:]]))
     for column in (FLOW, HEIGHT):
         assert looked_up.path[:, column] == pytest.approx(arrays.path[:, column], rel=1e-12)
-    closed, _ = _begun(setup, plain)
+    closed, _ = _begun(run, plain)
     evaluate_state(closed, state)
     assert not np.allclose(closed.path[:, HEIGHT], arrays.path[:, HEIGHT], rtol=0.1)
 
 
-def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: Setup) -> None:
-    coarse = replace(setup.case.run, samples_per_revolution=60, max_revolutions=2)
-    machine = run_in_machine(replace(setup, case=replace(setup.case, run=coarse)))
-    tables = None, one_node(), Films().table()
-    runs = [
-        machine.at(setup.condition)(replace(machine.description, lateral_table=table))
-        for table in tables
-    ]
-    plain, same, films = (run.summary() for run in runs)
+def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(run: Run) -> None:
+    coarse = replace(run.case.run, samples_per_revolution=60, max_revolutions=2)
+    ready = replace(run, case=replace(run.case, run=coarse)).worn().with_films()
+    march, tables = ready.repeated(), (None, one_node(), Films().table())
+    runs = [march(replace(ready.machine, lateral_table=table)) for table in tables]
+    plain, same, films = (one.summary() for one in runs)
     for name in ("mean_torque_N_m", "mean_flow_L_per_min", "torque_loss_lateral_viscous_N_m"):
         assert same[name] == pytest.approx(plain[name], rel=1e-4), name
     # friction that no viscosity makes and gaps that move leave the energy whole
@@ -234,19 +228,19 @@ def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: S
 def test_asperities_of_the_faces_oppose_the_own_speed_of_a_gear(share: float) -> None:
     """With compliant teeth the driven gear turns on its own; the flow past it pulls as before."""
     case = load_case(CASE, ('run.mesh="elastic"',))
-    setup = api.set_up(replace(case, run=replace(case.run, film_tables=None)))
+    run = api.prepare(replace(case, run=replace(case.run, film_tables=None)))
     none = one_node()
     pulling = replace(none, drag_share=none.drag_share - 1e-3)
     rubbing = replace(none, asperity_share=none.asperity_share + 2e-3)
     torques = []
     for table in (none, pulling, rubbing):
-        arrays, state = _begun(setup, replace(setup.description, lateral_table=table))
+        arrays, state = _begun(run, replace(run.machine, lateral_table=table))
         k = int(np.argmin(arrays.motion[:, MOTION_RATIO]))
         state[arrays.size.velocity + k] = (1.0 - share) * state[1]
         evaluate_state(arrays, state)
         torques.append(arrays.motion[k, FILM_FORCE])
     assert arrays.motion[k, MOTION_RATIO] == -1.0
-    half = 0.5 * 199e5 * 1350e-6 * setup.description.lateral_balance.interfaces[0].face.outer_radius  # type: ignore[union-attr]
+    half = 0.5 * 199e5 * 1350e-6 * run.machine.lateral_balance.interfaces[0].face.outer_radius  # type: ignore[union-attr]
     assert torques[1] - torques[0] == pytest.approx(-1e-3 * half, rel=1e-3)
     assert torques[2] - torques[0] == pytest.approx(np.sign(share) * 2e-3 * half, rel=1e-3)
 
@@ -286,55 +280,57 @@ film_tables = "{CASE.parent / "tables" / "egm12_lateral.nc"}"
 
 
 def _seated(
-    setup: Setup, leak: Callable[[float], float], monkeypatch: pytest.MonkeyPatch
+    run: Run, leak: Callable[[float], float], monkeypatch: pytest.MonkeyPatch
 ) -> tuple[Solution, list[float]]:
     """Run whose gaps leak by a factor that follows the one of the seats, and the latter's."""
     seats: list[float] = []
 
-    def march(_: object, machine: Assembled, *__: object) -> SimpleNamespace:
+    def march(machine: Assembled, *_: object) -> SimpleNamespace:
         assert machine.description.lateral_table is not None
-        return SimpleNamespace(
-            status=Status.DONE, seat=machine.description.lateral_table.seat_factor
-        )
+        seat = machine.description.lateral_table.seat_factor
+        return SimpleNamespace(status=Status.DONE, seat=seat)
 
-    def run(history: SimpleNamespace, *_: object) -> Solution:
+    def solution(history: SimpleNamespace, *_: object) -> Solution:
         seats.append(history.seat)
         values = {"lateral_leakage_factor": leak(history.seat), "lateral_load_beyond": 0.0}
         data = xr.Dataset({k: ("sample", np.full(4, v)) for k, v in values.items()})
         return Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {}))
 
-    monkeypatch.setattr(lumped, "_march", march)
-    monkeypatch.setattr(lumped, "solution_from", run)
-    machine = replace(setup.description, lateral_table=one_node())
-    prepared = RunInMachine(setup.case, WornMachine(machine, {}), machine, setup.fluid, {}, {})
-    return prepared.at(setup.condition)(), seats
+    monkeypatch.setattr(run_module, "march_to_balance", march)
+    monkeypatch.setattr(run_module, "first_turn_state", lambda history: None)
+    monkeypatch.setattr(run_module, "solution_from", solution)
+    machine = replace(run.machine, lateral_table=one_node())
+    return replace(run, machine=machine).march(), seats
 
 
 @pytest.mark.parametrize("slope", [0.5, -0.3, -5.0])
 def test_seats_and_gaps_come_to_agree(
-    setup: Setup, slope: float, monkeypatch: pytest.MonkeyPatch
+    run: Run, slope: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also where more leakage past the seats closes the gaps by far more."""
-    found, seats = _seated(setup, lambda seat: 20.0 ** (1.0 - slope) * seat**slope, monkeypatch)
+    found, seats = _seated(run, lambda seat: 20.0 ** (1.0 - slope) * seat**slope, monkeypatch)
     # rounds end with 5 % of the leakage open, a change of the seats of up to twice that
     assert seats[-1] == pytest.approx(20.0, rel=0.11)
     assert "warnings" not in found.provenance
 
 
 def test_seats_that_never_agree_with_the_gaps_are_told(
-    setup: Setup, monkeypatch: pytest.MonkeyPatch
+    run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found, seats = _seated(setup, lambda seat: 30.0 if seat < 20.0 else 10.0, monkeypatch)
+    found, seats = _seated(run, lambda seat: 30.0 if seat < 20.0 else 10.0, monkeypatch)
     assert seats[-1] == pytest.approx(20.0, rel=0.05)
     told = found.provenance["warnings"]
     assert "leak 0.5" in told or "leak 1.5" in told
     assert "fidelity 'elastic'" in told
 
 
-def test_load_beyond_the_table_is_told() -> None:
-    def run(beyond: float) -> Solution:
-        data = xr.Dataset({"lateral_load_beyond": ("sample", np.full(4, beyond))})
-        return within_table(Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {})))
+def test_load_beyond_the_table_is_told(run: Run) -> None:
+    machine = replace(run.machine, lateral_table=one_node())
 
-    assert "beyond their table in 50 % of the time" in run(0.5).provenance["warnings"]
-    assert "warnings" not in run(0.0).provenance
+    def told(beyond: float) -> Mapping[str, str]:
+        data = xr.Dataset({"lateral_load_beyond": ("sample", np.full(4, beyond))})
+        found = Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {}))
+        return SeatSearch(machine).noted(found).provenance
+
+    assert "beyond their table in 50 % of the time" in told(0.5)["warnings"]
+    assert "warnings" not in told(0.0)

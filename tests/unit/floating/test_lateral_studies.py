@@ -25,11 +25,9 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
+from toothspace.run.run import Run
 from toothspace.simulation.lateral.coupling import CoupledPoint
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
-from toothspace.simulation.lumped import RunInMachine
-from toothspace.simulation.running_in import WornMachine
-from toothspace.simulation.setup import Setup
 from toothspace.studies import hysteresis, lateral_points, run_study
 from toothspace.studies.lateral_points import LateralStudy, PointCondition
 from toothspace.studies.records import Record, Records
@@ -204,7 +202,7 @@ def test_loop_asks_for_as_many_rounds_as_its_case(
         return study.points[:1]
 
     monkeypatch.setattr(hysteresis, "follow", follow)
-    monkeypatch.setattr(lateral_points, "run_in_machine", _machine_with_bearing)
+    monkeypatch.setattr(Run, "worn", lambda run: run)
     for rounds in (1, 6):
         own = replace(case.study, coupling_rounds=rounds)  # type: ignore[type-var]
         found = hysteresis.follow_pressures(replace(case, study=own))
@@ -212,8 +210,3 @@ def test_loop_asks_for_as_many_rounds_as_its_case(
     assert [one for one, _ in asked] == [1, 6]
     # points of one number of rounds are none of another
     assert asked[0][1] != asked[1][1]
-
-
-def _machine_with_bearing(setup: Setup) -> RunInMachine:
-    worn = WornMachine(setup.description, {})
-    return RunInMachine(setup.case, worn, worn.description, setup.fluid, {}, {})

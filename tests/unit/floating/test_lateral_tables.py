@@ -21,14 +21,15 @@ from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load, chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
+from toothspace.run.condition import condition_of
+from toothspace.run.film_tables import lateral_sizes, with_film_tables
+from toothspace.run.run import Run
 from toothspace.simulation.lateral.reduction import (
     COLUMNS,
     LateralReduction,
     LoadedCondition,
     load_shares,
 )
-from toothspace.simulation.setup import condition_of
 from toothspace.studies import reduce
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "egm12_motor_reduced.toml"
@@ -164,12 +165,6 @@ def test_reduction_goes_over_pressures_and_speeds(
 ) -> None:
     solved = _Solved()
 
-    class Machine:
-        description = motor[1]
-
-        def at(self, condition: OperatingCondition) -> Callable[..., OperatingCondition]:
-            return lambda description: condition
-
     seen: list[OperatingCondition] = []
 
     def agreed(_: object, __: object, run: Callable[..., OperatingCondition], *___: object) -> Any:
@@ -183,9 +178,10 @@ def test_reduction_goes_over_pressures_and_speeds(
     monkeypatch.setattr(reduce, "loaded_condition", agreed)
     monkeypatch.setattr(reduce, "load_shares", spanned)
     monkeypatch.setattr(reduce, "reduce_lateral", solved)
-    monkeypatch.setattr(reduce, "run_in_machine", lambda *_: Machine())
-    setup = api.set_up(motor[0])
-    tables = reduce.reduce_lateral_films(setup, None, ([2e7, 5e6], [150.0, 10.0]))
+    monkeypatch.setattr(Run, "worn", lambda run, _: replace(run, machine=motor[1]))
+    monkeypatch.setattr(Run, "repeated", lambda run: lambda _: run.condition)
+    prepared = api.prepare(motor[0])
+    tables = reduce.reduce_lateral_films(prepared, None, ([2e7, 5e6], [150.0, 10.0]))
     at = {"lateral_pressure_difference": 5e6, "lateral_shaft_speed": 150.0}
     one = tables.sel(at)
     force = tables["lateral_force_share"].values
@@ -198,7 +194,7 @@ def test_reduction_goes_over_pressures_and_speeds(
     assert len(seen) == 4
     assert all(shares is solved.shares[0] for shares in solved.shares[1:])
     seen.clear()
-    alone = reduce.reduce_lateral_films(setup)
+    alone = reduce.reduce_lateral_films(prepared)
     assert alone["lateral_torque"].shape == (4, 1, 1, 1)
     assert alone["lateral_pressure_difference"].values == pytest.approx(199e5)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from toothspace import api
+from toothspace.advice.short_circuit import in_series
 from toothspace.core.errors import CaseError, GeometryError
-from toothspace.gearing.short_circuit import in_series
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 

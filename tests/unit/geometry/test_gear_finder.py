@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from pathlib import Path
 
@@ -189,7 +190,7 @@ def test_damaged_step_file_is_refused_in_one_line(tmp_path: Path) -> None:
 
 def test_reader_that_dies_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = step_gear(tmp_path)
-    monkeypatch.setattr(limited_reading.sys, "executable", "/bin/false")
+    monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(GeometryError, match="damaged STEP file"):
         load_closed_curves(path)
 

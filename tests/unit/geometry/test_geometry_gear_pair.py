@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from tests.reference_formulas.involute_contact import contact_points, curvature_radii
+from toothspace.advice.gear_rules import pair_checks
 from toothspace.core.errors import GeometryError
-from toothspace.geometry.design_rules import pair_checks
 from toothspace.geometry.gear_pair import (
     GearPair,
     pair_from_backlash,

@@ -30,8 +30,8 @@ def _held(pressure: float) -> tuple[System, float]:
     case = load_case(FAN_DRIVE).replace(
         {**INTERFACES, "circuit.initial_pressure": f"{pressure / 1e5} bar"}
     )
-    setup = api.set_up(case)
-    system = assemble(setup.description, setup.fluid, setup.condition)
+    run = api.prepare(case)
+    system = assemble(run.machine, run.fluid, run.condition)
     hold_shaft(system.arrays, start_state(system), 0.0)
     return system, float(system.arrays.drive[col.HOLDING_TORQUE])
 

@@ -16,8 +16,7 @@ from toothspace.closures.gap_flow import (
     curved_gap_conductance,
     fitted_gap_conductance,
 )
-from toothspace.model.assembly import System
-from toothspace.solver.accuracy import Assembled
+from toothspace.model.assembly import System, assemble
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
 
@@ -26,9 +25,8 @@ SLOW = ["operating_point.shaft_speed=12.3 rpm", "operating_point.outlet_pressure
 
 
 def system_of(case: Case) -> System:
-    setup = api.set_up(case)
-    assembled = Assembled(setup.description, setup.fluid, setup.condition)
-    return assembled.at(setup.condition.relative_tolerance)
+    run = api.prepare(case)
+    return assemble(run.machine, run.fluid, run.condition)
 
 
 def counts_in_a_ninth_of_a_turn(case: Case) -> dict[str, float]:

@@ -21,7 +21,7 @@ from toothspace.model.bodies import journal_torques
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation.film_tables import with_film_tables
+from toothspace.run.film_tables import with_film_tables
 from toothspace.solver.compiled_model import evaluate_state
 from toothspace.solver.initial import start_state
 from toothspace.studies import reduce

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 from toothspace import api
+from toothspace.case.presets import INTERFACES, MODELS, PRESETS
 from toothspace.core.errors import CaseError
-from toothspace.simulation.presets import (
-    INTERFACES,
-    MODELS,
-    PRESETS,
-    interface_models,
-    interface_text,
-    models_of,
-)
-from toothspace.simulation.run import STEADY
+from toothspace.run.interfaces import interface_models, unused_tables
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 PUMP = REPOSITORY / "cases" / "egm12_pump.toml"
 
 
 def test_every_preset_runs_and_names_known_interfaces_and_models() -> None:
-    assert set(PRESETS) == set(STEADY)
     for preset in PRESETS.values():
+        assert callable(import_module(preset.module).simulate)
         assert set(preset.interfaces) in (set(), set(INTERFACES))
         assert {model for offered in preset.interfaces.values() for model in offered} <= set(MODELS)
 
@@ -33,7 +27,6 @@ def test_every_preset_runs_and_names_known_interfaces_and_models() -> None:
 def test_a_case_without_choice_takes_the_models_of_its_preset(preset: str) -> None:
     models = interface_models(api.load_case(PUMP, [f"run.fidelity={preset}"]))
     assert models == {name: offered[0] for name, offered in PRESETS[preset].interfaces.items()}
-    assert models_of(interface_text(models)) == models
 
 
 def test_elastic_solves_its_journals_as_films_does() -> None:
@@ -76,3 +69,10 @@ def test_tables_leave_no_choice() -> None:
     with pytest.raises(CaseError, match="tables of these films"):
         interface_models(case, ("journal",))
     assert interface_models(api.load_case(PUMP), ("lateral",))["lateral"] == "table"
+
+
+def test_keys_of_another_preset_are_named_as_unused() -> None:
+    case = api.load_case(PUMP, ["run.film_grid=[100, 20]", "run.flank_sealing=dual"])
+    assert {"run.film_grid", "run.flank_sealing"} <= set(unused_tables(case))
+    elastic = api.load_case(PUMP, ["run.film_grid=[100, 20]", "run.fidelity=elastic"])
+    assert "run.film_grid" not in unused_tables(elastic)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import toothspace as ts
 from tests.study_cases import Answer, answer, case_with_study
 from toothspace import api
 from toothspace.case import Case
@@ -162,6 +163,24 @@ def test_impossible_spans_are_refused(vary: str, allowed: str) -> None:
         run_study(case_with_study(f'kind = "sweep"\nvary = {{"{CLEARANCE}" = {vary}}}'))
     assert f"study.vary.{CLEARANCE}: found" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_one_run_of_a_study_is_asked_for_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = write_case(tmp_path, MAP)
+    fast = ["--fidelity", "ideal", "--json"]
+    assert main(["run", str(path), *fast]) == 2
+    told = capsys.readouterr().err
+    assert f"{path}: study: found 'efficiency_map', allowed with 'toothspace study {path}'" in told
+    assert told.count("\n") == 1
+    assert main(["run", str(path), "--without-study", *fast]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "done"
+    case = case_with_study(MAP).replace({"run.fidelity": "ideal"})
+    with pytest.raises(CaseError, match=r"study: found 'efficiency_map', allowed .*run_study"):
+        ts.simulate(case)
+    assert ts.simulate(case, study=None).status is Status.DONE
 
 
 def test_a_study_needs_a_kind() -> None:

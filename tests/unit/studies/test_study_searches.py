@@ -177,8 +177,21 @@ def test_impossible_constraints_and_names_are_told(calls: list[Case]) -> None:
     result = run_study(case_with_study(optimise(never)))
     assert result.status is Status.NOT_CONVERGED
     assert result.numbers["feasible"] is False
-    with pytest.raises(CaseError, match="found 'mean_flow', which is no result, allowed"):
+    tried = len(calls)
+    nearest = (
+        r"study\.objective: found 'mean_flow', which is no result, allowed mean_flow_L_per_min"
+    )
+    with pytest.raises(CaseError, match=nearest):
         run_study(case_with_study(optimise('objective = "mean_flow"')))
+    wrong = text + "constraints = {volumetric_eficiency = {low = 0.9}}"
+    with pytest.raises(CaseError, match=r"constraints\.vol.*allowed volumetric_efficiency \(did"):
+        run_study(case_with_study(optimise(wrong)))
+    with pytest.raises(CaseError, match=r"limits\.noise: found 'noise', which is no result"):
+        run_study(case_with_study(TOLERANCE.replace("volumetric_efficiency", "noise")))
+    assert len(calls) == tried
+    # those of a path or a mechanism are known when the first points are there
+    with pytest.raises(CaseError, match="found 'leakage_nowhere_L_per_min', which is no result"):
+        run_study(case_with_study(optimise(text.replace("mean_flow", "leakage_nowhere"))))
 
 
 def test_covariance_of_a_straight_line() -> None:

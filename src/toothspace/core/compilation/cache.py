@@ -45,6 +45,12 @@ def _texts() -> dict[str, str]:
     }
 
 
+def _library() -> dict[str, str]:
+    """Texts of the fluids and materials of the package."""
+    paths = (_PACKAGE / "library").rglob("*.toml")
+    return {path.relative_to(_PACKAGE).as_posix(): path.read_text("utf-8") for path in paths}
+
+
 def _with_imports(found: set[str]) -> dict[str, str]:
     """Texts of modules and of all that these import."""
     texts = _texts()
@@ -62,8 +68,8 @@ def _with_imports(found: set[str]) -> dict[str, str]:
 
 @cache
 def digest_of_sources(module: str | None = None) -> str:
-    """Digest of the sources behind a module, or of the whole package."""
-    sources = _texts() if module is None else _with_imports({module})
+    """Digest of the sources behind a module, or of the whole package with its library."""
+    sources = _with_imports({module}) if module else {**_texts(), **_library()}
     digest = hashlib.sha256()
     for name, text in sorted(sources.items()):
         digest.update(f"{name}\n{text}".encode())

@@ -36,8 +36,6 @@ def _parts_wanted() -> bool:
 PARTS = _parts_wanted()
 """Whether inner functions are compiled as parts of what Python calls."""
 
-prange = numba.prange
-
 if PARTS:
     from toothspace.core.compilation.parts import Formula, Kernel
 

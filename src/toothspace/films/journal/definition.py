@@ -13,6 +13,7 @@ from toothspace.films.journal.geometry import Groove, Lobes
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+from toothspace.numerics.banded import check_grid
 
 _CHOICES = {
     "cavitation": set(CAVITATION),
@@ -61,6 +62,7 @@ class JournalDefinition:
                 )
         if np.shape(self.grid) != (2,) or min(self.grid) < 4:
             raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
+        check_grid("bearing.grid", self.grid)
         object.__setattr__(self, "grooves", tuple(self.grooves))
 
     @property

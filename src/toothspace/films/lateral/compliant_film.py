@@ -23,6 +23,7 @@ from toothspace.films.reynolds.active_set import (
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
 from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.linearised import solved_responses
+from toothspace.numerics.banded import empty_band
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
@@ -34,7 +35,7 @@ from toothspace.numerics.linear_system import (
     SATURATED,
     UNSATURATED,
     LinearSystem,
-    iterative_system,
+    direct_system,
 )
 from toothspace.numerics.structured_grid import CellBalance
 
@@ -48,8 +49,6 @@ _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
 _CARRIED = 16
 """Rows from which a newly covered cell takes the film that it begins with. [-]"""
-_BLOCK_LANES = 200
-"""Cells along the radius up to which elimination beats multigrid of a compliant film. [-]"""
 
 
 class GivenPressures(NamedTuple):
@@ -408,11 +407,9 @@ def _linearise(
     found = linearised_balance(given.grid, deformed, carrier, given.law.floor, law, balance)
     stencil, right = np.empty((kind.size, 5)), np.empty(kind.size)
     _assemble(found, kind, unknown, touch[3], how.frequency, stencil, right)
-    system: LinearSystem | None = None
-    if kind.shape[1] <= _BLOCK_LANES:
-        system = block_system(stencil, kind, former)
+    system: LinearSystem | None = block_system(stencil, kind, former)
     if system is None:
-        system = iterative_system(found.balance, stencil, kind)
+        system = direct_system(stencil, kind, empty_band(*kind.shape))
     return _Pass(height, rate, touch, found, system, right)
 
 

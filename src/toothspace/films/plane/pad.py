@@ -24,6 +24,7 @@ from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, wall_stress
 from toothspace.films.reynolds.state import FilmHistory
+from toothspace.numerics.banded import check_grid
 
 GapFunction = Callable[[Array, Array], Array]
 
@@ -108,6 +109,7 @@ class Pad:
             raise CaseError(
                 f"film.cavitation: found {self.cavitation!r}, allowed are {sorted(CAVITATION)}"
             )
+        check_grid("film.grid", self.grid)
         if self.pocket is not None and self.pocket.start >= self.length:
             raise CaseError(
                 f"film.pocket.x: found {1e3 * self.pocket.start:g} mm, allowed are pockets that "

@@ -28,6 +28,7 @@ from toothspace.films.reynolds.rough_surfaces import (
     wall_stress,
 )
 from toothspace.films.reynolds.state import FilmHistory
+from toothspace.numerics.banded import check_grid
 from toothspace.numerics.linear_system import PRESCRIBED
 
 
@@ -91,6 +92,7 @@ class LateralFilm:
                 f"film.inner_radius: found {self.inner_radius!r} m, allowed are values from 0 to "
                 f"below the outer radius {self.outer_radius!r} m"
             )
+        check_grid("film.grid", self.grid)
         for key in ("given_pressure", "depth"):
             values = getattr(self, key)
             if values is not None and values.shape != self.grid:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
-from toothspace.gearing.short_circuit import opening_checks
 from toothspace.machines.crescent import loads
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.parameters import CrescentParameters
-from toothspace.machines.crescent.summary import closing_play, design_checks, geometry_summary
-from toothspace.machines.shared_bearings import bearing_checks
+from toothspace.machines.crescent.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription
 
@@ -39,17 +40,13 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         own.chambers(name)
         for own, name in zip(tooth_spaces(assembly, numbering, spaces), FAMILIES, strict=True)
     )
-    paths, displaced = flow_paths(assembly, numbering, spaces), displacement(assembly)
+    paths = flow_paths(assembly, numbering, spaces)
     journals = loads.journal_bearings(assembly)
-    checks = (
-        *design_checks(assembly),
-        *opening_checks(families, paths, displaced, closing_play(assembly)),
-        *bearing_checks(journals, min(assembly.root_clearances)),
-    )
+    checks = LazySequence(partial(design_checks, assembly, families, paths, journals))
     return MachineDescription(
         name="crescent",
         mode=spec.use,
-        displacement=displaced,
+        displacement=displacement(assembly),
         bodies=loads.bodies(assembly),
         motions=loads.MOTIONS,
         families=families,
@@ -64,7 +61,7 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=loads.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
-        geometry_summary=geometry_summary(assembly, spaces, checks),
+        geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
     )
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
+from toothspace.advice import gear_rules as rules
+from toothspace.advice.bearing_rules import bearing_checks
+from toothspace.advice.short_circuit import opening_checks
 from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
-from toothspace.geometry import design_rules as rules
 from toothspace.geometry.curve import turned
 from toothspace.geometry.involute import involute_function
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import filler_edges, filler_thickness
+from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
 
 _LEAST_ROOT_CLEARANCE = 0.05
 _LARGEST_CONTACT_RATIO = 2.5
@@ -24,7 +29,7 @@ _ANGLES = 6
 
 
 def geometry_summary(
-    assembly: CrescentAssembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
+    assembly: CrescentAssembly, spaces: tuple[Spaces, Spaces], checks: Sequence[DesignCheck]
 ) -> dict[str, object]:
     """Numbers of the geometry report, names with their unit."""
     pair = assembly.pair
@@ -123,8 +128,23 @@ def closing_play(assembly: CrescentAssembly) -> float:
     return play if spec.mode == "motor" else 0.0
 
 
-def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
-    """Design-rule report of gears and filler."""
+def design_checks(
+    assembly: CrescentAssembly,
+    families: Sequence[ChamberFamily],
+    paths: Sequence[FlowPath],
+    journals: Sequence[LumpedJournalBearing],
+) -> tuple[DesignCheck, ...]:
+    """Design-rule report of gears, filler, cross-port leakage and bearings."""
+    return (
+        *_tooth_checks(assembly),
+        *_involute_checks(assembly),
+        *_filler_checks(assembly),
+        *opening_checks(families, paths, displacement(assembly), closing_play(assembly)),
+        *bearing_checks(journals, min(assembly.root_clearances)),
+    )
+
+
+def _tooth_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     fouled, owners = overlap(assembly), ("pinion", "ring")
     module = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0] / np.pi
     checks = [
@@ -138,7 +158,7 @@ def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
         checks.append(rules.root_clearance_check(owner, clearance, module, _LEAST_ROOT_CLEARANCE))
     for owner, land in zip(owners, assembly.tip_lands, strict=True):
         checks.append(rules.tip_land_check(owner, land, module))
-    return (*checks, *_involute_checks(assembly), *_filler_checks(assembly))
+    return checks
 
 
 def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from functools import partial
 
+from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
-from toothspace.gearing.short_circuit import opening_checks
 from toothspace.machines.external_gear import loads
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
+from toothspace.machines.external_gear.rules import design_checks
 from toothspace.machines.external_gear.spec import ExternalGearSpec
-from toothspace.machines.external_gear.summary import design_checks, geometry_summary
-from toothspace.machines.external_gear.trapping import design_condition, sealing_edge
-from toothspace.machines.shared_bearings import bearing_checks
+from toothspace.machines.external_gear.summary import geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
 
@@ -43,15 +42,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     journals, displaced = loads.journal_bearings(assembly), displacement(assembly)
     families = drive.chambers(loads.BODIES[0]), driven.chambers(loads.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
-    short, *opened = opening_checks(families, paths, displaced, 0.0, design_condition(assembly))
-    if not short.passed:
-        short = replace(short, reason=short.reason + sealing_edge(assembly))
-    checks = (
-        *design_checks(assembly),
-        short,
-        *opened,
-        *bearing_checks(journals, min(assembly.root_clearances)),
-    )
+    checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
     contacts = flank_contacts(assembly, loads.flank_pair(assembly), numbering, spaces[0])
     own = own_teeth(assembly, numbering, spaces)
     if own is not None:
@@ -89,7 +80,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         lateral_balance=balance,
         outlines=loads.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
-        geometry_summary=geometry_summary(assembly, spaces, checks),
+        geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
         as_drawn=as_drawn(assembly),
     )

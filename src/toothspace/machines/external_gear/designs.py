@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from toothspace.advice.gear_designs import GearDesigns, distance_of_backlash
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
 from toothspace.gearing.design_values import DesignValues
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
-from toothspace.geometry.gear_designs import GearDesigns, distance_of_backlash
 from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
 
 

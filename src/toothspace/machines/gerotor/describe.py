@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from toothspace.core.design_check import warnings_of
+from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.geometry.curve import outline_with_hole
 from toothspace.machines.gerotor.bodies import (
     bodies,
@@ -19,14 +20,14 @@ from toothspace.machines.gerotor.bodies import (
 )
 from toothspace.machines.gerotor.faces import shared_faces
 from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
-from toothspace.machines.gerotor.lobe_pairs import contact_ratio, rotor_contacts
+from toothspace.machines.gerotor.lobe_pairs import rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_bearings import bearing_checks, require_rim, require_shaft_below
+from toothspace.machines.shared_bearings import require_rim, require_shaft_below
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
@@ -58,7 +59,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
     journals = journal_bearings(spec)
-    checks = (*design_checks(spec, pocket, timing, ports), *bearing_checks(journals))
+    checks = LazySequence(partial(design_checks, spec, pocket, timing, ports, journals))
     columns = motion_columns(spec)
     clearance = float(np.median(pocket.path.gap))
     contacts = rotor_contacts(spec, pocket.rotors, clearance)
@@ -70,7 +71,6 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     bore = shapes["casing"]
     rim_circle = bore * rim / (rim + 2.0 * spec.housing.radial_clearance)
     walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
-    ratio = contact_ratio(contacts, clearance)
     return MachineDescription(
         name="gerotor",
         mode=spec.use,
@@ -89,8 +89,9 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=shapes,
         chamber_outlines=PocketOutlines(pocket, outline_with_hole(bore, rim_circle)),
-        geometry_summary=geometry_summary(spec, pocket, timing)
-        | {"contact_ratio": ratio, "warnings": warnings_of(checks)},
+        geometry_summary=LazyMapping(
+            partial(geometry_summary, spec, pocket, timing, contacts, checks)
+        ),
         checks=checks,
     )
 

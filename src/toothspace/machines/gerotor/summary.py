@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from toothspace.advice.bearing_rules import bearing_checks
+from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.machines.gerotor.flow_paths import shaft_radius
+from toothspace.machines.gerotor.lobe_pairs import contact_ratio
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
 from toothspace.machines.gerotor.ports import Ports, kinematic_lands
 from toothspace.machines.gerotor.profiles import trochoid_of
 from toothspace.machines.gerotor.timing import Timing
-from toothspace.model.description import DesignCheck
+from toothspace.model.description import ContactPair, LumpedJournalBearing
 
 _LEAST_EDGE = 0.5e-3
 _LEAST_LAND = 0.5
@@ -35,9 +40,20 @@ def flow_ripple(pocket: Pockets) -> float:
 
 
 def geometry_summary(
-    parameters: GerotorParameters, pocket: Pockets, timing: Timing
+    parameters: GerotorParameters,
+    pocket: Pockets,
+    timing: Timing,
+    contacts: tuple[ContactPair, ...],
+    checks: Sequence[DesignCheck],
 ) -> dict[str, object]:
     """Numbers of the geometry report.
+
+    Parameters
+    ----------
+    contacts : tuple of ContactPair
+        Contacts of the lobes.
+    checks : sequence of DesignCheck
+        Design-rule report, whose failures are named.
 
     Returns
     -------
@@ -66,18 +82,25 @@ def geometry_summary(
         "smallest_tip_gap_um": float(pocket.path.gap.min()) * 1e6,
         "trapped_volume_mm3": timing.trapped_area(pocket) * width * 1e9,
         "sealed_shaft_angle_deg": float(np.rad2deg(timing.sealed_angle(pocket))),
+        "contact_ratio": contact_ratio(contacts, float(np.median(pocket.path.gap))),
+        "warnings": warnings_of(checks),
     }
 
 
 def design_checks(
-    parameters: GerotorParameters, pocket: Pockets, timing: Timing, ports: Ports
+    parameters: GerotorParameters,
+    pocket: Pockets,
+    timing: Timing,
+    ports: Ports,
+    journals: Sequence[LumpedJournalBearing],
 ) -> tuple[DesignCheck, ...]:
-    """Design-rule report of a gerotor set: profiles, rim, ports, timing."""
+    """Design-rule report of a gerotor set: profiles, rim, ports, timing, bearings."""
     return (
         *_undercut_check(parameters),
         *_common_checks(parameters, pocket),
         *_land_checks(parameters, pocket, ports),
         *_timing_checks(pocket, timing),
+        *bearing_checks(journals),
     )
 
 

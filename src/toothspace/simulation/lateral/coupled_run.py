@@ -24,7 +24,6 @@ from toothspace.simulation.lateral.coupling import (
 from toothspace.simulation.lateral.loads import face_deflection
 from toothspace.simulation.lateral.problem import LateralNumbers, film_fields, film_places
 
-
 HeatedRun = Callable[[MachineDescription, Callable[[MachineDescription], Solution]], Solution]
 """Solution with temperatures, from a machine and what repeats it with other viscosities."""
 

@@ -1,16 +1,18 @@
-"""Loads of bearings and teeth at the running-in condition, against guide values."""
+"""Loads of bearings and teeth at one condition, against guide values."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from toothspace.advice.short_circuit import DesignCondition
 from toothspace.closures.contact_cylindrical import hertz_pressure
+from toothspace.core.design_check import DesignCheck
 from toothspace.gearing.flank_contacts import rigid_mesh
-from toothspace.gearing.materials import reduced_modulus
-from toothspace.gearing.meshing import displacement
-from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.trapping import design_condition
-from toothspace.model.description import DesignCheck
+from toothspace.gearing.materials import Material, reduced_modulus
+from toothspace.gearing.meshing import MeshedGears, displacement
+from toothspace.geometry.gear_profile import GearProfile
 
 RADIAL_LOAD_COEFFICIENT = 0.85
 """Radial load of the driven gear over pressure x width x tip diameter (Ivantysyn). [-]"""
@@ -21,13 +23,27 @@ MAX_FLANK_PRESSURE = 1500e6
 MAX_ROOT_STRESS = 430e6
 
 
-def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    r"""Bearing load, p v, flank and root stress at the pressure and speed of running-in.
+def strength_checks(
+    gears: MeshedGears,
+    profiles: Sequence[GearProfile],
+    materials: tuple[Material, Material],
+    bearing: tuple[float, float],
+    condition: DesignCondition,
+) -> tuple[DesignCheck, ...]:
+    r"""Bearing load, p v, flank and root stress at a pressure and speed.
 
-    Returns
-    -------
-    tuple of DesignCheck
-        Empty without a running-in condition.
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+    profiles : sequence of GearProfile
+        Sections of drive and driven gear.
+    materials : tuple of Material
+        Materials of drive and driven gear.
+    bearing : tuple of float
+        Diameter and length of each bearing. [m]
+    condition : DesignCondition
+        Pressure and shaft speed.
 
     Notes
     -----
@@ -42,19 +58,16 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     .. [1] J. Ivantysyn, M. Ivantysynova, Hydrostatic Pumps and Motors, 2001.
     .. [2] ISO 6336-5:2016, figures for case-hardened wrought steels.
     """
-    if assembly.spec.keys.casing.wear_in is None:
-        return ()
-    condition = design_condition(assembly)
     difference = condition.pressure_difference
-    load = bearing_pressure(assembly, difference)
-    sliding = assembly.spec.shaft_radius * condition.shaft_speed
-    force = contact_force(assembly, difference)
-    heat, pitch = load * sliding, flank_pressure(assembly, force)
+    load = bearing_pressure(gears, bearing, difference)
+    heat = load * 0.5 * bearing[0] * condition.shaft_speed
+    force = contact_force(gears, difference)
+    pitch, root = flank_pressure(gears, materials, force), root_stress(gears, profiles, force)
     rows = (
         ("bearing specific load", load, MAX_BEARING_PRESSURE, "MPa", _WHY_LOAD),
         ("bearing p v, lubricated", heat, MAX_BEARING_PRESSURE_VELOCITY, "MPa m/s", _WHY_HEAT),
         ("flank pressure at the pitch point", pitch, MAX_FLANK_PRESSURE, "MPa", _WHY_PITS),
-        ("root stress", root_stress(assembly, force), MAX_ROOT_STRESS, "MPa", _WHY_ROOT),
+        ("root stress", root, MAX_ROOT_STRESS, "MPa", _WHY_ROOT),
     )
     return tuple(
         DesignCheck(
@@ -69,35 +82,35 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     )
 
 
-def bearing_pressure(assembly: Assembly, pressure_difference: float) -> float:
+def bearing_pressure(
+    gears: MeshedGears, bearing: tuple[float, float], pressure_difference: float
+) -> float:
     """Radial load over projected area of both bearings of a gear. [Pa]."""
-    bearing = assembly.spec.keys.journal_bearings
-    radius = max(tooth.tip_radius for tooth in assembly.teeth)
-    load = RADIAL_LOAD_COEFFICIENT * pressure_difference * assembly.face_width * 2.0 * radius
-    return float(load / (2.0 * bearing.diameter * bearing.length))
+    (diameter, length), radius = bearing, max(tooth.tip_radius for tooth in gears.teeth)
+    load = RADIAL_LOAD_COEFFICIENT * pressure_difference * gears.face_width * 2.0 * radius
+    return float(load / (2.0 * diameter * length))
 
 
-def contact_force(assembly: Assembly, pressure_difference: float) -> float:
+def contact_force(gears: MeshedGears, pressure_difference: float) -> float:
     """Mean force of the loaded flanks: the driven gear's half of the torque. [N]."""
-    torque = pressure_difference * displacement(assembly)
-    return 0.5 * torque / (assembly.mesh.ratio * abs(rigid_mesh(assembly).lever))
+    torque = pressure_difference * displacement(gears)
+    return 0.5 * torque / (gears.mesh.ratio * abs(rigid_mesh(gears).lever))
 
 
-def flank_pressure(assembly: Assembly, force: float) -> float:
+def flank_pressure(gears: MeshedGears, materials: tuple[Material, Material], force: float) -> float:
     """Hertzian pressure of one contact at the pitch point. [Pa]."""
-    spec = assembly.spec
-    drive_pitch, driven_pitch = assembly.mesh.pitch_radii
-    lever = abs(rigid_mesh(assembly).lever)
+    drive_pitch, driven_pitch = gears.mesh.pitch_radii
+    lever = abs(rigid_mesh(gears).lever)
     sine = np.sqrt(max(1.0 - (lever / driven_pitch) ** 2, 1e-4))
     radius = sine / (1.0 / drive_pitch + 1.0 / driven_pitch)
-    modulus = reduced_modulus(spec.drive.material, spec.driven.material)
-    return float(hertz_pressure(force / assembly.face_width, radius, 0.5 * modulus))
+    modulus = reduced_modulus(*materials)
+    return float(hertz_pressure(force / gears.face_width, radius, 0.5 * modulus))
 
 
-def root_stress(assembly: Assembly, force: float) -> float:
+def root_stress(gears: MeshedGears, profiles: Sequence[GearProfile], force: float) -> float:
     """Largest bending stress of a tooth that carries the force at its tip. [Pa]."""
-    line_load, stresses = force / assembly.face_width, []
-    for profile in assembly.profiles:
+    line_load, stresses = force / gears.face_width, []
+    for profile in profiles:
         radii = np.linspace(profile.root_radius, profile.tip_radius, 80)[8:60]
         thickness = np.zeros(radii.size)
         for flank in (profile.right_flank, profile.left_flank):

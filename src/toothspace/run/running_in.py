@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
+from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.compiled import cache_root, digest_of_sources
@@ -20,7 +22,7 @@ from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import by_kind
 from toothspace.results.solution import Solution
-from toothspace.simulation.setup import Setup, fluid_of
+from toothspace.run.condition import fluid_of
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 
@@ -33,36 +35,33 @@ CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
 
 @final
 @dataclass(frozen=True, eq=False)
-class WornMachine:
-    """A machine after running-in."""
+class Tracks:
+    """What running-in has cut into the casing; nothing without running-in."""
 
-    description: MachineDescription
-    """The machine with the tracks in its casing."""
-    depths: dict[str, Array]
+    depths: Mapping[str, Array] = field(default_factory=dict)
     """Depth of each track over the casing angle, by the path that wears. [m]"""
     status: Status = Status.DONE
     """Whether the running-in came to its end."""
 
     def marked(self, solution: Solution) -> Solution:
-        """Solution on this machine: not done on a casing that was cut only in part."""
+        """Solution on this casing: not done on one that was cut only in part."""
         if self.status is Status.DONE or solution.status is Status.INTERRUPTED:
             return solution
         return replace(solution, status=self.status).with_note("Running-in ended before its time.")
 
-    @property
-    def values(self) -> dict[str, Any]:
-        """Depths by the names of results, one row per body."""
+    def values(self, bodies: Sequence[str]) -> dict[str, Any]:
+        """Depths by the names of results, one row per body, at the nodes of the finest table."""
         if not self.depths:
             return {}
-        nodes = next(iter(self.depths.values())).size
-        names = [body.name for body in self.description.bodies]
-        table = np.zeros((len(names), nodes))
+        angle = _table_angles(max(depth.size for depth in self.depths.values()))
+        table = np.zeros((len(bodies), angle.size))
         for body, depth in self.depths.items():
-            table[names.index(body)] = depth
-        return {"running_in_depth": table, "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes}
+            own = _table_angles(depth.size)
+            table[bodies.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
+        return {"running_in_depth": table, "casing_angle": angle}
 
 
-def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
+def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:
     """Cut the casing at the break-in condition; taken from disk if it was computed before.
 
     Raises
@@ -70,34 +69,34 @@ def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
     KeyboardInterrupt
         If interrupted.
     """
-    case, description = setup.case, setup.description
-    state = description.running_in
+    state = machine.running_in
     if state is None:
-        return WornMachine(description, {})
+        return Tracks()
     high, low = state.pressure, ATMOSPHERIC_PRESSURE
-    motor = description.mode == "motor"
+    motor = machine.mode == "motor"
     condition = OperatingCondition(
         shaft_speed=state.shaft_speed,
         inlet_pressure=high if motor else low,
         outlet_pressure=low if motor else high,
-        drain_pressure=description.drain_pressure,
+        drain_pressure=machine.drain_pressure,
         relative_tolerance=_TOLERANCE,
     )
     fluid = fluid_of(case, state.temperature)
     key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _PLAN)
     depths = load(key)
-    if depths is None:
-        plan = replace(_PLAN, max_steps=case.run.max_steps)
-        history = march_revolutions(
-            assemble(description, fluid, condition), plan, part(progress, "running-in")
-        )
-        if history.status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        depths = running_in_depths(history)
-        if history.status in CUT_SHORT:
-            return WornMachine(description.with_running_in(depths), depths, history.status)
-        save(key, depths)
-    return WornMachine(description.with_running_in(depths), depths)
+    if depths is not None:
+        return Tracks(depths)
+    plan = replace(_PLAN, max_steps=case.run.max_steps)
+    history = march_revolutions(
+        assemble(machine, fluid, condition), plan, part(progress, "running-in")
+    )
+    if history.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    depths = running_in_depths(history)
+    if history.status in CUT_SHORT:
+        return Tracks(depths, history.status)
+    save(key, depths)
+    return Tracks(depths)
 
 
 def folder() -> Path:
@@ -113,6 +112,10 @@ def load(key: str) -> dict[str, Array] | None:
 def save(key: str, depths: dict[str, Array]) -> None:
     """Store depths. [m]."""
     keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
+
+
+def _table_angles(nodes: int) -> Array:
+    return np.arange(nodes) * 2.0 * np.pi / nodes
 
 
 def running_in_depths(history: History) -> dict[str, Array]:

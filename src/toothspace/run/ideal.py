@@ -14,18 +14,17 @@ from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
-from toothspace.simulation.presets import interface_models, interface_text
-from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
+from toothspace.run.run import Run
 from toothspace.solver.outcome import attributes_of, openings
 
 _JOINING_GAP = 5e-6
 
 
-def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Kinematic flow and torque of a case; done at once, so progress is not reported."""
     del progress
-    case, description, condition = setup.case, setup.description, setup.condition
-    fluid, dual_flank = setup.fluid, case.run.flank_sealing == "dual"
+    case, description, condition = run.case, run.machine, run.condition
+    fluid, dual_flank = run.fluid, case.run.flank_sealing == "dual"
     shaft_angle = np.linspace(0.0, 2.0 * np.pi, case.run.samples_per_revolution + 1)
     to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
     rate = _volume_rates(description, shaft_angle)
@@ -54,7 +53,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         "inlet_density": np.asarray(density),
         "outlet_density": np.asarray(density),
         "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
-        "fluid_temperature": np.asarray(fluid_temperature(case)),
+        **run.values,
     }
     data = dataset_from(
         values,
@@ -73,8 +72,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         2.0 * np.pi / speed,
         2.0 * np.pi,
     )
-    provenance = provenance_of(case) | {"interfaces": interface_text(interface_models(case))}
-    return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, provenance)
+    return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, run.provenance)
 
 
 def outlet_members(

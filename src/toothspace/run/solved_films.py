@@ -28,7 +28,7 @@ from toothspace.model.films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
-from toothspace.simulation.shared_covers import solved_covers, with_shared_films
+from toothspace.run.shared_covers import solved_covers, with_shared_films
 
 SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
 """Films of both interfaces that can be solved for a machine."""

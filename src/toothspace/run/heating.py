@@ -20,14 +20,14 @@ from toothspace.numerics.roots import root_between
 from toothspace.results.performance import drain_flow
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
-from toothspace.simulation.heat_network import (
+from toothspace.run.condition import fluid_keys, fluid_temperature
+from toothspace.run.heat_network import (
     HeatFlows,
     HeatNetwork,
     heat_network,
     journal_node,
     lateral_node,
 )
-from toothspace.simulation.setup import fluid_keys, fluid_temperature
 
 _AGREED = 0.1
 """Change of a film temperature between two rounds that is left. [K]"""
@@ -40,10 +40,13 @@ _NOT_AGREED = (
 )
 
 
-def run_with_heat(
-    case: Case, description: MachineDescription, run: Callable[[MachineDescription], Solution]
+def with_heat(
+    case: Case,
+    description: MachineDescription,
+    solution: Solution,
+    march: Callable[[MachineDescription], Solution],
 ) -> Solution:
-    """Solution of a machine with the temperatures of its oil, bodies and films.
+    """Solution with the temperatures of oil, bodies and films, which ``coupled`` films feel.
 
     Parameters
     ----------
@@ -51,10 +54,11 @@ def run_with_heat(
         Case with an operating point and ``[heat]``.
     description : MachineDescription
         Its machine, with films as cold as the fluid.
-    run : callable
+    solution : Solution
+        That of this machine.
+    march : callable
         Solution of a machine whose films have other viscosities.
     """
-    solution = run(description)
     if case.heat.model != "coupled" or solution.status is not Status.DONE:
         return with_temperatures(case, description, solution)
     found = _temperatures(case, description, solution)
@@ -74,7 +78,7 @@ def run_with_heat(
             following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)
         tried = np.clip(following, supply, highest)
         warm = _warmed(case, description, dict(zip(found[1], tried, strict=True)))
-        solution = run(warm)
+        solution = march(warm)
         if solution.status is not Status.DONE:
             return solution
         found = _temperatures(case, description, solution)

@@ -11,8 +11,8 @@ from typing import final
 
 import numpy as np
 
+from toothspace.advice import gear_rules as rules
 from toothspace.core.types import Array, IntArray
-from toothspace.geometry import design_rules as rules
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, marked
 from toothspace.geometry.gear_pair import LARGEST_OVERLAP, ExternalPair, tight_involute
 from toothspace.geometry.involute_gears import InvoluteGears

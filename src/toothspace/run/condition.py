@@ -1,18 +1,12 @@
-"""A case with its machine and fluid, and the conditions at which it is run."""
+"""Fluid and operating condition of a case."""
 
 from __future__ import annotations
 
-import platform
-from dataclasses import dataclass
-from importlib.metadata import version
-from typing import final
-
 import numpy as np
 
-import toothspace
 from toothspace.case import Case
 from toothspace.case.circuit import ReliefValve
-from toothspace.case.conditions import FluidChoice
+from toothspace.case.conditions import FluidChoice, OperatingPoint
 from toothspace.case.lines import line_at_port
 from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
@@ -26,26 +20,6 @@ LINE_END = "line_end"
 
 _EXPECTED_PRESSURE = 50e5
 _BEYOND_BREAKAWAY = 1.5
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Setup:
-    """What a preset simulates."""
-
-    case: Case
-    """The case."""
-    description: MachineDescription
-    """Its machine, as designed."""
-    fluid: FluidLaw
-    """Its fluid at its temperature."""
-
-    @property
-    def condition(self) -> OperatingCondition:
-        """Condition of the case, with an operating point or with a circuit."""
-        if self.case.circuit is not None:
-            return circuit_condition(self.case, self.description, self.fluid)
-        return condition_of(self.case, self.description)
 
 
 def fluid_keys(case: Case) -> FluidChoice:
@@ -89,16 +63,44 @@ def fluid_temperature(case: Case) -> float:
     return fluid_keys(case).temperature
 
 
-def known_pressure(setup: Setup) -> float:
+def known_pressure(case: Case) -> float:
     """Pressure up to which the properties of the fluid of a case are known. [Pa]."""
-    choice = fluid_keys(setup.case)
+    choice = fluid_keys(case)
     return highest_pressure(choice.source, choice.temperature)
 
 
-def condition_of(case: Case, description: MachineDescription) -> OperatingCondition:
+def condition_of(
+    case: Case, description: MachineDescription, fluid: FluidLaw | None = None
+) -> OperatingCondition:
+    """Condition of a case, of its operating point or of its circuit.
+
+    Parameters
+    ----------
+    case : Case
+        Case with one of both.
+    description : MachineDescription
+        Its machine.
+    fluid : FluidLaw, optional
+        Its fluid, computed if not given.
+
+    Raises
+    ------
+    CaseError
+        If the case has neither.
+    """
+    law = fluid_of(case) if fluid is None else fluid
+    if case.circuit is not None:
+        return _circuit_condition(case, description, law)
+    if case.operating_point is None:
+        allowed = "a case with an [operating_point] or a [circuit]"
+        raise CaseError(f"operating_point: found none, allowed {allowed}")
+    return _steady_condition(case, case.operating_point, description, law)
+
+
+def _steady_condition(
+    case: Case, point: OperatingPoint, description: MachineDescription, fluid: FluidLaw
+) -> OperatingCondition:
     """Operating condition of a case, before a load orifice is sized."""
-    point = case.operating_point
-    assert point is not None
     line, end, orifice = None, "outlet", point.outlet_load == "orifice"
     if point.line is not None:
         motor = description.mode == "motor"
@@ -106,7 +108,7 @@ def condition_of(case: Case, description: MachineDescription) -> OperatingCondit
         end = "supply" if motor else LINE_END if orifice else "load"
         pressure = point.inlet_pressure if motor else point.outlet_pressure
         volume = description.port_volumes[0 if motor else 1]
-        line = line_at_port(point.line, port, volume, pressure, end, fluid_of(case))
+        line = line_at_port(point.line, port, volume, pressure, end, fluid)
     return OperatingCondition(
         shaft_speed=point.shaft_speed,
         inlet_pressure=point.inlet_pressure,
@@ -120,7 +122,7 @@ def condition_of(case: Case, description: MachineDescription) -> OperatingCondit
     )
 
 
-def circuit_condition(
+def _circuit_condition(
     case: Case, description: MachineDescription, fluid: FluidLaw
 ) -> OperatingCondition:
     """Condition of a case with a circuit, at the pressure that it is expected to reach."""
@@ -158,19 +160,3 @@ def _expected_pressure(case: Case, description: MachineDescription) -> float:
     if startup is None or startup.law == "interfaces" or speed_of(case.circuit) is not None:
         return expected
     return min(expected, _BEYOND_BREAKAWAY * startup.torque / description.displacement)
-
-
-def provenance_of(case: Case) -> dict[str, str]:
-    """Where a result comes from, as text."""
-    return {
-        "title": case.title,
-        "package_version": toothspace.__version__,
-        "case_toml": case.to_toml(case.source.parent if case.source else None),
-        "case_hash": case.hash,
-        "case_file": str(case.source or ""),
-        "preset": case.run.fidelity,
-        "overrides": "\n".join(case.overrides),
-        "python_version": platform.python_version(),
-        "numba_version": version("numba"),
-        "numpy_version": np.__version__,
-    }

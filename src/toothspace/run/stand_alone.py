@@ -37,7 +37,7 @@ from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import Film, solve_heated
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation.heating import film_heating, liquid_of
+from toothspace.run.heating import film_heating, liquid_of
 
 T = TypeVar("T")
 

@@ -1,4 +1,4 @@
-"""Ways from inlet to outlet through chambers that are open to both, as design rules."""
+"""Cross-port leakage through chambers that are open to both ports, as a design rule."""
 
 from __future__ import annotations
 

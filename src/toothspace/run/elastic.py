@@ -2,38 +2,46 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Callable
 
 from toothspace.case import Case
 from toothspace.core.progress import Progress
+from toothspace.model.description import MachineDescription
+from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
-from toothspace.simulation.heating import lateral_heating, run_with_heat
+from toothspace.run.heating import lateral_heating, with_heat
+from toothspace.run.run import Run
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.coupling import PointRequest
 from toothspace.simulation.lateral.problem import LateralSettings, balance_of, require_floating_part
-from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Setup
 
 
-def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
-    require_floating_part(setup.case)
-    case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
-    machine = run_in_machine(setup, progress)
+    require_floating_part(run.case)
+    case, balance = run.case, balance_of(run.machine)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
+    ready = run.worn(progress).with_films(progress)
+
+    def heated(
+        machine: MachineDescription, march: Callable[[MachineDescription], Solution]
+    ) -> Solution:
+        return with_heat(case, machine, march(machine), march)
+
     return coupled_solution(
-        machine.description,
-        machine.fluid,
-        machine.at(condition, progress),
+        ready.machine,
+        ready.fluid,
+        ready.repeated(progress),
         request,
         case.run.film_steps_per_revolution,
         progress,
-        heated=partial(run_with_heat, case),
+        heated=heated,
     )
 
 
 def lateral_settings(case: Case) -> LateralSettings:
     """Grids and laws of the lateral films of a case."""
     run, heating = case.run, lateral_heating(case)
+    check_grid("run.film_grid", run.film_grid)
     grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
     return LateralSettings(grid=grid, angles=angles, deformation=law, heating=heating)

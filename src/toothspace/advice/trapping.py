@@ -7,30 +7,28 @@ the backlash. Volume rates, groove openings and throats together give their pres
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
 
-from toothspace.closures.gap_flow import curved_gap_conductance
-from toothspace.closures.orifice import DISCHARGE_COEFFICIENT, orifice_conductance
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
-from toothspace.core.types import Array, IntArray
-from toothspace.gearing.gear_tables import ReliefGrooves
-from toothspace.gearing.mesh_split import Throats
-from toothspace.gearing.meshing import displacement, relative_radius
-from toothspace.gearing.short_circuit import (
+from toothspace.advice.short_circuit import (
     DENSITY,
     SHORT_CIRCUIT_LIMIT,
-    TYPICAL,
     DesignCondition,
     in_series,
 )
+from toothspace.closures.gap_flow import curved_gap_conductance
+from toothspace.closures.orifice import DISCHARGE_COEFFICIENT, orifice_conductance
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.design_check import DesignCheck
+from toothspace.core.types import Array, IntArray
+from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import MeshedGears, displacement, relative_radius
 from toothspace.gearing.spaces import Spaces, section_areas
-from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
-from toothspace.model.description import DesignCheck
 
 PEAK_LIMIT = 1.5
 """Highest pressure of a trapped space over the high pressure. [-]"""
@@ -41,7 +39,6 @@ SINGLE_FLANK_LIMIT = 0.1
 VISCOSITY = 0.027
 """Dynamic viscosity of the estimate, ISO VG 46 at 50 degC. [Pa s]"""
 
-_NODES = 720
 _ITERATIONS = 60
 _RESIDUAL_CONDUCTANCE = 1e-15
 _EDGE_STEP = 0.05e-3
@@ -63,7 +60,7 @@ _ADVICE = {
 
 @final
 @dataclass(frozen=True)
-class Way:
+class Opening:
     """Openings of one kind; arrays over angles and spaces."""
 
     area: Array
@@ -86,10 +83,10 @@ class MeshChain:
 
     growth: Array
     """Change of volume with the shaft angle. [m3/rad]"""
-    to_inlet: Way
-    to_outlet: Way
+    to_inlet: Opening
+    to_outlet: Opening
     """Openings of the bore and grooves of both faces to either port."""
-    throat: Way
+    throat: Opening
     """Throats to the next space, shape (angles, spaces - 1)."""
 
 
@@ -106,35 +103,64 @@ class Trapping:
     """Mean flow from high to low pressure through joined openings over the ideal flow. [-]"""
 
 
-def mesh_chain(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> MeshChain:
-    """Put the spaces round the centre line in the order in which throats join them.
+@final
+@dataclass(frozen=True, eq=False)
+class EnclosedMesh:
+    """Tooth spaces in a mesh, what opens them to the ports, and the condition to judge them at."""
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh, with relief grooves or without.
+    gears: MeshedGears
+    """Gears in mesh."""
+    spaces: tuple[Spaces, Spaces]
+    """Tooth spaces of both gears over a turn."""
+    mouths: tuple[Mapping[str, Array], Mapping[str, Array]]
+    """Length of the mouth of drive and driven spaces that opens to each port. [m]"""
+    groove_openings: Callable[[ReliefGrooves, Spaces], Mapping[str, Array]]
+    """Area and hydraulic diameter into the groove of each port, for grooves of a size. [m2], [m]"""
+    grooves: ReliefGrooves | None
+    """Relief grooves in the faces."""
+    tip_rounding: float
+    """Radius of the edge between flank and tip. [m]"""
+    is_pump: bool
+    """Whether the outlet is at high pressure."""
+    condition: DesignCondition
+    """Pressure and shaft speed."""
+    groove_spacing: float | None
+    """Distance at which grooves of an involute pair vent all that is enclosed. [m]"""
+
+    @cached_property
+    def trapping(self) -> Trapping:
+        """What the mesh does to the fluid that it encloses."""
+        return trapping(mesh_chain(self), self)
+
+    def with_grooves(self, grooves: ReliefGrooves) -> EnclosedMesh:
+        """The same gears with other relief grooves."""
+        return replace(self, grooves=grooves)
+
+
+def mesh_chain(mesh: EnclosedMesh) -> MeshChain:
+    """Put the spaces round the centre line in the order in which throats join them.
 
     Returns
     -------
     MeshChain
         Three spaces of each gear over one pitch of the shaft angle.
     """
-    count = spaces[0].angles.size // assembly.counts[0]
+    spaces = mesh.spaces
+    count = spaces[0].angles.size // mesh.gears.counts[0]
     order = [(turn, gear) for turn in (-1, 0, 1) for gear in (0, 1)]
     rows = [_rows(spaces[gear], count, turn, gear) for turn, gear in order]
     # the trailing throat of a drive space, then the leading one of the drive space behind
     passages = [_rows(spaces[0], count, turn + gear, 0) for turn, gear in order[:-1]]
-    throats = [_throat(assembly, side) for side in (spaces[0].left, spaces[0].right)]
+    throats = [_throat(mesh, side) for side in (spaces[0].left, spaces[0].right)]
     growth = []
     for side in spaces:
         area, step = section_areas(side), 2.0 * np.pi / side.angles.size
         rate = (np.roll(area, -1) - np.roll(area, 1)) / (2.0 * step)
-        growth.append(assembly.face_width * rate * side.angle_ratio)
-    ports = [_ports(assembly, side) for side in spaces]
+        growth.append(mesh.gears.face_width * rate * side.angle_ratio)
+    ports = [_ports(mesh, gear) for gear in (0, 1)]
 
-    def gathered(port: str) -> Way:
-        ways = [ports[gear][port] for _, gear in order]
-        return _columns(ways, rows)
+    def gathered(port: str) -> Opening:
+        return _columns([ports[gear][port] for _, gear in order], rows)
 
     return MeshChain(
         np.column_stack([growth[gear][at] for (_, gear), at in zip(order, rows, strict=True)]),
@@ -150,43 +176,41 @@ def _rows(spaces: Spaces, count: int, turn: int, gear: int) -> IntArray:
     return (size // 2 - gear * (count // 2) + np.arange(count) - turn * count) % size
 
 
-def _columns(ways: list[Way], rows: list[IntArray]) -> Way:
-    pairs = list(zip(ways, rows, strict=True))
-    return Way(
-        np.column_stack([way.area[at] for way, at in pairs]),
-        np.column_stack([way.conductance[at] for way, at in pairs]),
+def _columns(openings: list[Opening], rows: list[IntArray]) -> Opening:
+    pairs = list(zip(openings, rows, strict=True))
+    return Opening(
+        np.column_stack([opening.area[at] for opening, at in pairs]),
+        np.column_stack([opening.conductance[at] for opening, at in pairs]),
     )
 
 
-def _ports(assembly: Assembly, spaces: Spaces) -> dict[str, Way]:
-    width, grooves, found = assembly.face_width, grooves_by_port(assembly, spaces), {}
-    for port, length in mouth_lengths(assembly, spaces).items():
+def _ports(mesh: EnclosedMesh, gear: int) -> dict[str, Opening]:
+    """Mouths along the bore and grooves of both faces together, to each port."""
+    width, found = mesh.gears.face_width, {}
+    grooves: Mapping[str, Array] = {}
+    if mesh.grooves is not None:
+        grooves = mesh.groove_openings(mesh.grooves, mesh.spaces[gear])
+    for port, length in mesh.mouths[gear].items():
         area = width * length
         conductance = orifice_conductance(area, 2.0 * area / (width + length), VISCOSITY)
         if port in grooves:
             groove, diameter = grooves[port].T
             area = area + 2.0 * groove
             conductance = conductance + 2.0 * orifice_conductance(groove, diameter, VISCOSITY)
-        found[port] = Way(DISCHARGE_COEFFICIENT * area, conductance)
+        found[port] = Opening(DISCHARGE_COEFFICIENT * area, conductance)
     return found
 
 
-def _throat(assembly: Assembly, side: Throats) -> Way:
+def _throat(mesh: EnclosedMesh, side: Throats) -> Opening:
     # without a complete throat both spaces are wide open to the same port
     gap = np.where(side.weight > 0.0, np.maximum(side.gap, 0.0), 0.0)
-    width = assembly.face_width
-    rounding = min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding)
-    radius = relative_radius(assembly.mesh, side, rounding)
-    return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
+    width = mesh.gears.face_width
+    radius = relative_radius(mesh.gears.mesh, side, mesh.tip_rounding)
+    return Opening(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
-def trapping(chain: MeshChain, assembly: Assembly, condition: DesignCondition) -> Trapping:
+def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
-
-    Parameters
-    ----------
-    condition : DesignCondition
-        Pressure and shaft speed.
 
     Returns
     -------
@@ -205,8 +229,9 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: DesignCondition) -
     .. [1] A. Vacca, M. Guidetti, Modelling and experimental validation of external spur gear
        machines for fluid power applications, Simul. Model. Pract. Theory 19 (2011) 2007-2031.
     """
+    condition = mesh.condition
     speed, difference = condition.shaft_speed, condition.pressure_difference
-    pressures = _pressures(chain, assembly.spec.keys.mode == "pump", condition)
+    pressures = _pressures(chain, mesh.is_pump, condition)
     joined = in_series(chain.to_inlet.area, chain.to_outlet.area).sum(axis=1)
     for here, there in ((chain.to_outlet, chain.to_inlet), (chain.to_inlet, chain.to_outlet)):
         through = in_series(chain.throat.area, in_series(here.area[:, :-1], there.area[:, 1:]))
@@ -215,17 +240,17 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: DesignCondition) -
     return Trapping(
         peak_pressure=float(pressures.max()),
         exchange_drop=_exchange_drop(chain, speed),
-        short_circuit=rate / (displacement(assembly) * speed),
+        short_circuit=rate / (displacement(mesh.gears) * speed),
     )
 
 
 def _exchange_drop(chain: MeshChain, speed: float) -> float:
     # a shut space that shrinks passes all through the wider of its throats
     sides = np.pad(chain.throat.area, ((0, 0), (1, 1)))
-    way = np.maximum(sides[:, :-1], sides[:, 1:])
+    wider = np.maximum(sides[:, :-1], sides[:, 1:])
     shut = chain.to_inlet.area + chain.to_outlet.area == 0.0
-    shut &= (chain.growth < 0.0) & (way > 0.0)
-    velocity = speed * chain.growth[shut] / way[shut]
+    shut &= (chain.growth < 0.0) & (wider > 0.0)
+    velocity = speed * chain.growth[shut] / wider[shut]
     return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
 
 
@@ -257,34 +282,23 @@ def _pressures(chain: MeshChain, is_pump: bool, condition: DesignCondition) -> A
     return found
 
 
-def design_condition(assembly: Assembly) -> DesignCondition:
-    """Pressure and speed of running-in, or typical ones where the gears do not run in."""
-    wear = assembly.spec.keys.casing.wear_in
-    return TYPICAL if wear is None else DesignCondition(wear.pressure, wear.shaft_speed)
-
-
-def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Peak of the trapped spaces and exchange through the backlash.
-
-    Returns
-    -------
-    tuple of DesignCheck
-        At the pressure and speed of running-in; empty without that condition or without grooves.
-    """
-    grooves = assembly.spec.grooves
-    if assembly.spec.keys.casing.wear_in is None or grooves is None:
+def trapping_checks(mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
+    """Peak of the trapped spaces and exchange through the backlash; nothing without grooves."""
+    grooves, condition = mesh.grooves, mesh.condition
+    if grooves is None:
         return ()
-    condition, estimate = design_condition(assembly), _estimates(assembly)
-    found = estimate(grooves)
+    found = mesh.trapping
     peak_limit = PEAK_LIMIT * condition.pressure
     drop_limit = SINGLE_FLANK_LIMIT * condition.pressure
-    calm = found.peak_pressure <= peak_limit
+    calm, single = found.peak_pressure <= peak_limit, found.exchange_drop <= drop_limit
     nearest = min(_EDGE_STEPS, int(np.ceil(grooves.closing_side_offset / _EDGE_STEP))) - 1
     closing = ""
     if not calm:
-        closing = _edge_advice(
-            grooves, "closing", nearest, lambda new: estimate(new).peak_pressure <= peak_limit
-        )
+
+        def cures(new: ReliefGrooves) -> bool:
+            return mesh.with_grooves(new).trapping.peak_pressure <= peak_limit
+
+        closing = _edge_advice(grooves, "closing", nearest, cures)
     return (
         DesignCheck(
             name="trapped pressure, estimate",
@@ -300,13 +314,13 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             value=found.exchange_drop * 1e-5,
             unit="bar",
             allowed=f"up to {drop_limit * 1e-5:.4g} bar {condition}",
-            passed=found.exchange_drop <= drop_limit,
-            reason=_sealing(assembly, grooves, single=found.exchange_drop <= drop_limit),
+            passed=single,
+            reason=_sealing(mesh, grooves, single=single),
         ),
     )
 
 
-def sealing_edge(assembly: Assembly) -> str:
+def sealing_edge(mesh: EnclosedMesh) -> str:
     """Where to move the edge of the opening-side groove so that the mesh parts both ports.
 
     Returns
@@ -314,25 +328,13 @@ def sealing_edge(assembly: Assembly) -> str:
     str
         A sentence; empty where the mesh parts them, or without grooves.
     """
-    grooves, estimate = assembly.spec.grooves, _estimates(assembly)
 
-    def parts(new: ReliefGrooves) -> bool:
-        return estimate(new).short_circuit <= SHORT_CIRCUIT_LIMIT
+    def parts(grooves: ReliefGrooves) -> bool:
+        return mesh.with_grooves(grooves).trapping.short_circuit <= SHORT_CIRCUIT_LIMIT
 
-    if grooves is None or parts(grooves):
+    if mesh.grooves is None or mesh.trapping.short_circuit <= SHORT_CIRCUIT_LIMIT:
         return ""
-    return _edge_advice(grooves, "opening", _EDGE_STEPS - 1, parts)
-
-
-def _estimates(assembly: Assembly) -> Callable[[ReliefGrooves], Trapping]:
-    """What the mesh does with relief grooves at the condition of the rules."""
-    spaces, condition = assembly.spaces(_NODES), design_condition(assembly)
-
-    def estimate(grooves: ReliefGrooves) -> Trapping:
-        moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
-        return trapping(mesh_chain(moved, spaces), moved, condition)
-
-    return estimate
+    return _edge_advice(mesh.grooves, "opening", _EDGE_STEPS - 1, parts)
 
 
 def _edge_advice(
@@ -355,17 +357,16 @@ def _edge_advice(
     return f" Move the {side}-side edge to {place}."
 
 
-def _sealing(assembly: Assembly, grooves: ReliefGrooves, *, single: bool) -> str:
-    pair = assembly.pair
+def _sealing(mesh: EnclosedMesh, grooves: ReliefGrooves, *, single: bool) -> str:
     words = (
         "The backlash joins both enclosed spaces to one: single-flank timing"
         if single
         else "The backlash is too narrow to join the enclosed spaces: dual-flank timing, each "
         "needs a groove of its own"
     )
-    if pair is None:
+    if mesh.groove_spacing is None:
         return f"{words}."
-    spacing = pair.relief_groove_spacing * (1.0 if single else 0.5)
+    spacing = mesh.groove_spacing * (1.0 if single else 0.5)
     have = grooves.closing_side_offset + grooves.opening_side_offset
     return (
         f"{words}, in which grooves {spacing * 1e3:.4g} mm apart just never close; here they are "

@@ -1,0 +1,64 @@
+"""Sequences and mappings that are made when somebody asks for them first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TypeVar, final, overload
+
+_Item = TypeVar("_Item")
+
+
+@final
+class LazySequence(Sequence[_Item]):
+    """Items that are made once, when they are asked for first.
+
+    Parameters
+    ----------
+    make : callable
+        Gives the items; a function of a module with its arguments, so that it can be pickled.
+    """
+
+    def __init__(self, make: Callable[[], Sequence[_Item]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _items(self) -> tuple[_Item, ...]:
+        return tuple(self._make())
+
+    @overload
+    def __getitem__(self, index: int) -> _Item: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[_Item]: ...
+    def __getitem__(self, index: int | slice) -> _Item | Sequence[_Item]:
+        return self._items[index]
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+
+@final
+class LazyMapping(Mapping[str, object]):
+    """Values by name that are made once, when they are asked for first.
+
+    Parameters
+    ----------
+    make : callable
+        Gives the mapping; a function of a module with its arguments, so that it can be pickled.
+    """
+
+    def __init__(self, make: Callable[[], Mapping[str, object]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _values(self) -> dict[str, object]:
+        return dict(self._make())
+
+    def __getitem__(self, name: str) -> object:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
