@@ -9,7 +9,9 @@ from toothspace.core.progress import Progress
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
+from toothspace.run import lumped
 from toothspace.run.heating import lateral_heating, with_heat
+from toothspace.run.interfaces import interface_models
 from toothspace.run.run import Run
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.coupling import PointRequest
@@ -17,7 +19,13 @@ from toothspace.simulation.lateral.problem import LateralSettings, balance_of, r
 
 
 def simulate(run: Run, progress: Progress | None = None) -> Solution:
-    """Chambers and lateral films in agreement, then one revolution of the films."""
+    """Chambers and lateral films in agreement, then one revolution of the films.
+
+    Where covers rest nothing is in balance but rotors that are free between them, which the
+    solved films count already.
+    """
+    if interface_models(run.case)["lateral"] == "reynolds":
+        return lumped.simulate(run, progress)
     require_floating_part(run.case)
     case, balance = run.case, balance_of(run.machine)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)

@@ -54,6 +54,8 @@ def interface_models(
     models = {name: offered[0] for name, offered in preset.interfaces.items()}
     if models and (case.run.mesh == "elastic" or not rigid_mesh):
         models["contact"] = "compliant"
+    if "elastic" in models.values() and getattr(case.machine, "covers_rest", False):
+        models["lateral"] = "reynolds"
     for name in tables:
         models[name] = "table"
     chosen = case.run.interfaces

@@ -453,6 +453,11 @@ class ExternalGearTables(MachineTables):
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
 
     @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside the gears floats."""
+        return self.floating_bearing is None
+
+    @property
     def missing_floating_part(self) -> str:
         """Message about what the balance of the floating bearing would need; empty if given."""
         bearing = self.floating_bearing
