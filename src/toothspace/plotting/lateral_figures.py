@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, new_figure, styled
 

@@ -22,11 +22,11 @@ from toothspace.core.files import plain
 from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
-from toothspace.films.lateral.motion import Balance
-from toothspace.model.lateral_balance import HousingContact
-from toothspace.simulation.lateral.heat import settle_bearing
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
+from toothspace.floating.heat import settle_bearing
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralProblem, lateral_problem
+from toothspace.model.floating_bearing import HousingContact
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record
 from toothspace.studies.stored_point import point_key

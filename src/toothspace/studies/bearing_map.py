@@ -10,8 +10,8 @@ from typing import Any, final
 from toothspace.case import Case
 from toothspace.case.study import BearingMapStudy
 from toothspace.core.units import from_si
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import require_floating_part
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.run.elastic import require_floating_part
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
 from toothspace.studies.points import (
     collected,

@@ -14,8 +14,8 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO, HousingFriction
-from toothspace.model.lateral_balance import HousingContact
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
+from toothspace.model.floating_bearing import HousingContact
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,

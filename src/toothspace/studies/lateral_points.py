@@ -16,22 +16,21 @@ from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.lateral_balance import HousingContact, LateralBalance
-from toothspace.results.variables import variable
-from toothspace.run.elastic import lateral_settings
-from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupling import (
+from toothspace.floating.coupling import (
     CoupledPoint,
     LumpedRun,
     PointRequest,
     couple_point,
 )
-from toothspace.simulation.lateral.problem import (
+from toothspace.floating.problem import (
     LateralNumbers,
     LateralSettings,
     balance_of,
-    require_floating_part,
 )
+from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.results.variables import variable
+from toothspace.run.elastic import lateral_settings, require_floating_part
+from toothspace.run.run import Run
 from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import (
     FIELDS,

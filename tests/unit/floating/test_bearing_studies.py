@@ -17,22 +17,22 @@ from toothspace.case.study import BalanceSweepStudy, BearingMapStudy, Hysteresis
 from toothspace.closures.contact_rough import real_contact_share
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
-from toothspace.films.lateral.motion import balance_force
-from toothspace.model.film_faces import FilmFace
-from toothspace.model.lateral_balance import HousingContact
-from toothspace.plotting.catalogue import FIGURES
-from toothspace.plotting.film_maps import lateral_films
-from toothspace.plotting.study_figures import study_figures
-from toothspace.report.study import study_report_html
-from toothspace.report.wording import quantity
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import (
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.motion import balance_force
+from toothspace.floating.problem import (
     LateralProblem,
     LateralSettings,
     numbers_of,
     wear_map,
 )
+from toothspace.model.film_faces import FilmFace
+from toothspace.model.floating_bearing import HousingContact
+from toothspace.plotting.catalogue import FIGURES
+from toothspace.plotting.film_maps import lateral_films
+from toothspace.plotting.study_figures import study_figures
+from toothspace.report.study import study_report_html
+from toothspace.report.wording import quantity
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
 from toothspace.studies.hysteresis import friction_curves

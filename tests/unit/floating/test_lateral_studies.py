@@ -23,11 +23,11 @@ from toothspace.case.study import (
 )
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.studies import hysteresis, lateral_points, run_study
 from toothspace.studies.lateral_points import LateralStudy, PointCondition
 from toothspace.studies.records import Record, Records

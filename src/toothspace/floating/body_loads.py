@@ -12,11 +12,11 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody
-from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.stack import BackPressure, Snapshot, StackState
+from toothspace.floating.elastic_faces import ElasticFaces, elastic_faces
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.stack import BackPressure, Snapshot, StackState
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_balance import BodyLoad, LateralBalance
+from toothspace.model.floating_bearing import BodyLoad, LateralBalance
 
 if TYPE_CHECKING:
     import xarray as xr

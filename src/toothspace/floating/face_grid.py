@@ -12,7 +12,7 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.films.plane.film import PlanePoints, polar_grid, polar_points
 from toothspace.films.reynolds.equation import FilmGrid
 from toothspace.model.film_faces import FILM
-from toothspace.model.lateral_balance import FilmInterface
+from toothspace.model.floating_bearing import FilmInterface
 from toothspace.numerics.structured_grid import FREE, PRESCRIBED
 
 _BEYOND = 1e-6

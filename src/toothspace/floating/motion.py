@@ -9,10 +9,10 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import DeformationIteration, DeformationResponse, Fineness
-from toothspace.films.lateral.housing_friction import HousingFriction
-from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.stack import (
+from toothspace.floating.deformation import DeformationIteration, DeformationResponse, Fineness
+from toothspace.floating.housing_friction import HousingFriction
+from toothspace.floating.local_deformation import Accuracy
+from toothspace.floating.stack import (
     BackPressure,
     PreviousStep,
     Snapshot,
@@ -20,7 +20,7 @@ from toothspace.films.lateral.stack import (
     StackState,
     mean_force,
 )
-from toothspace.films.lateral.stops import stop_forces
+from toothspace.floating.stops import stop_forces
 
 _STATUS_ROUNDS = 4
 _PATIENCE = 16

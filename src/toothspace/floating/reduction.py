@@ -12,28 +12,28 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral.motion import Balance
-from toothspace.films.lateral.stack import Stack
-from toothspace.films.lateral.stops import leaning, stop_forces
-from toothspace.model.description import MachineDescription
-from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_balance import AxialForce, FloatingBearing, LateralBalance
-from toothspace.model.lateral_load import axial_load
-from toothspace.model.path_category import LATERAL_PATHS
-from toothspace.simulation.lateral.coupling import (
+from toothspace.floating.coupling import (
     CoupledPoint,
     LumpedRun,
     PointRequest,
     couple_point,
     path_leakage,
 )
-from toothspace.simulation.lateral.problem import (
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import (
     LateralSettings,
     balance_of,
     lateral_problem,
     numbers_of,
 )
-from toothspace.simulation.lateral.torque import pressure_torque
+from toothspace.floating.stack import Stack
+from toothspace.floating.stops import leaning, stop_forces
+from toothspace.floating.torque import pressure_torque
+from toothspace.model.description import MachineDescription
+from toothspace.model.films import lateral_torque_coefficient
+from toothspace.model.floating_bearing import AxialForce, FloatingBearing, LateralBalance
+from toothspace.model.lateral_load import axial_load
+from toothspace.model.path_category import LATERAL_PATHS
 
 _CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)
 """Closing forces that are added, over the force of the high-pressure area. [-]"""

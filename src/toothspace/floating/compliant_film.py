@@ -11,7 +11,6 @@ import numpy as np
 from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.films.lateral.local_deformation import LocalCompliance, settle_gap
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds.active_set import (
     DeformedGap,
@@ -23,6 +22,7 @@ from toothspace.films.reynolds.active_set import (
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
 from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.linearised import solved_responses
+from toothspace.floating.local_deformation import LocalCompliance, settle_gap
 from toothspace.numerics.banded import empty_band
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import (

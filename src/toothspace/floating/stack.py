@@ -9,8 +9,8 @@ from typing import NamedTuple, Protocol, final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.basis_functions import BasisFunctions
-from toothspace.films.lateral.face_film import (
+from toothspace.floating.basis_functions import BasisFunctions
+from toothspace.floating.face_film import (
     FaceDeformation,
     FaceFilm,
     FaceMotion,
@@ -18,8 +18,8 @@ from toothspace.films.lateral.face_film import (
     FilmLaw,
     solve_face,
 )
-from toothspace.films.lateral.face_grid import FaceGrid, Mask
-from toothspace.model.lateral_balance import FilmInterface, FloatingBearing, LateralBalance, Side
+from toothspace.floating.face_grid import FaceGrid, Mask
+from toothspace.model.floating_bearing import FilmInterface, FloatingBearing, LateralBalance, Side
 from toothspace.numerics.parallel import in_parallel
 
 _MOTIONS = 3

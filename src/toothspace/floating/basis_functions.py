@@ -12,8 +12,8 @@ import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
 from toothspace.core.types import Array, BoolArray
-from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.reynolds.equation import GapField
+from toothspace.floating.face_grid import FaceGrid
 
 _ASIDE = 0.01
 """Weight of cells beside the film, which determine waves shorter than a tooth space. [-]"""

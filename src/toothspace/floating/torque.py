@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.motion import Balance
+from toothspace.floating.motion import Balance
 from toothspace.model.description import LumpedLateralFilm, MachineDescription
 from toothspace.model.path_category import LATERAL_PATHS
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.equilibrium import Equilibrium
-from toothspace.films.lateral.motion import Balance
 from toothspace.films.thermal import FilmHeating
-from toothspace.simulation.lateral.problem import LateralNumbers, LateralProblem, numbers_of
+from toothspace.floating.equilibrium import Equilibrium
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralNumbers, LateralProblem, numbers_of
 
 _AGREEMENT = 0.2
 """Difference of temperatures at which heat and viscosity agree. [K]"""

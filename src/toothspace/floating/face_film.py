@@ -12,14 +12,6 @@ import numpy as np
 from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
-from toothspace.films.lateral.compliant_film import (
-    CompliantSolution,
-    compliant_responses,
-    deformed_gap,
-    solve_compliant,
-)
-from toothspace.films.lateral.face_grid import FaceGrid, Mask
-from toothspace.films.lateral.local_deformation import Accuracy, LocalCompliance
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
@@ -33,6 +25,14 @@ from toothspace.films.reynolds.rough_surfaces import (
     contact_field,
     mean_gap,
 )
+from toothspace.floating.compliant_film import (
+    CompliantSolution,
+    compliant_responses,
+    deformed_gap,
+    solve_compliant,
+)
+from toothspace.floating.face_grid import FaceGrid, Mask
+from toothspace.floating.local_deformation import Accuracy, LocalCompliance
 from toothspace.numerics.complementarity import solve_complementarity
 from toothspace.numerics.linear_system import PRESCRIBED
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from toothspace.closures.friction import stribeck_friction
 from toothspace.core.types import Array
-from toothspace.model.lateral_balance import HousingContact
+from toothspace.model.floating_bearing import HousingContact
 
 BREAKAWAY_RATIO = 2.5
 """Breakaway over Coulomb force. [-]"""

@@ -11,9 +11,9 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.basis_functions import BasisFunctions
-from toothspace.films.lateral.face_film import FaceFilm
-from toothspace.films.lateral.stack import StackState, mean_coefficients
+from toothspace.floating.basis_functions import BasisFunctions
+from toothspace.floating.face_film import FaceFilm
+from toothspace.floating.stack import StackState, mean_coefficients
 from toothspace.model.film_faces import FILM
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.parallel import in_parallel

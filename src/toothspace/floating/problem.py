@@ -9,31 +9,34 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from toothspace.case import Case
 from toothspace.closures.contact_rough import real_contact_share
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import Fineness
-from toothspace.films.lateral.equilibrium import (
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+from toothspace.films.thermal import FilmHeating
+from toothspace.floating.body_loads import loaded_bodies, node_pressures
+from toothspace.floating.deformation import Fineness
+from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     march_angles,
     snapshots_over_pitch,
 )
-from toothspace.films.lateral.face_film import FaceFilm, FilmLaw, film_law
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.housing_friction import (
+from toothspace.floating.face_film import FaceFilm, FilmLaw, film_law
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.housing_friction import (
     HousingFriction,
     housing_friction,
     normal_force,
 )
-from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import Balance, Loads, StepSettings, balance_force, state_at
-from toothspace.films.lateral.stack import (
+from toothspace.floating.local_deformation import Accuracy
+from toothspace.floating.motion import Balance, Loads, StepSettings, balance_force, state_at
+from toothspace.floating.stack import (
     BackPressure,
     Compliance,
     HoldingSpring,
@@ -41,18 +44,14 @@ from toothspace.films.lateral.stack import (
     Stack,
     WinklerFoundation,
 )
-from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.model.floating_bearing import FilmInterface, LateralBalance
 from toothspace.numerics.parallel import cores_for_fields
-from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_NO_FLOATING_PART = "machine: found no floating part in balance, allowed a machine with one"
+NO_FLOATING_PART = "machine: found no floating part in balance, allowed a machine with one"
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
 _SETTLED = Accuracy(linear=1e-7)
@@ -309,19 +308,6 @@ def _frictions(
     return housing_friction(whole, sum(normals)), parts
 
 
-def require_floating_part(case: Case) -> None:
-    """Refuse a machine without a floating part in balance before anything is computed.
-
-    Raises
-    ------
-    CaseError
-        If it has none, in the words of the machine type.
-    """
-    lacking = getattr(case.machine, "missing_floating_part", _NO_FLOATING_PART)
-    if lacking:
-        raise CaseError(lacking)
-
-
 def balance_of(description: MachineDescription) -> LateralBalance:
     """Lateral balance of a machine.
 
@@ -331,7 +317,7 @@ def balance_of(description: MachineDescription) -> LateralBalance:
         If it has none.
     """
     if description.lateral_balance is None:
-        raise CaseError(_NO_FLOATING_PART)
+        raise CaseError(NO_FLOATING_PART)
     return description.lateral_balance
 
 

@@ -11,15 +11,15 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.floating.heat import SettledBearing, settle_bearing
+from toothspace.floating.interpolation import InterpolatedEquilibrium, Trial
+from toothspace.floating.problem import LateralProblem, LateralSettings, lateral_problem
+from toothspace.floating.torque import lumped_torque, with_film_torque
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import with_lateral_leakage
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
-from toothspace.simulation.lateral.interpolation import InterpolatedEquilibrium, Trial
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, lateral_problem
-from toothspace.simulation.lateral.torque import lumped_torque, with_film_torque
 
 LumpedRun = Callable[[MachineDescription], Solution]
 """Lumped solution of a machine at the operating point."""

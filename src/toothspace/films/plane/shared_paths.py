@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.conductance import FaceConductance, gap_table, over_turn
+from toothspace.films.plane.conductance import FaceConductance, gap_table, over_turn
 from toothspace.model.description import FlowPath
 from toothspace.model.film_faces import SharedFaces
 from toothspace.model.path_category import DRAIN, LATERAL, RIM, PathCategory

@@ -9,11 +9,11 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.housing_friction import HousingFriction
-from toothspace.films.lateral.motion import Balance, Loads, balance_force
-from toothspace.films.lateral.stack import HoldingSpring, MovingBearing, Snapshot
-from toothspace.simulation.lateral.heat import SettledBearing
-from toothspace.simulation.lateral.problem import LateralProblem, numbers_of
+from toothspace.floating.heat import SettledBearing
+from toothspace.floating.housing_friction import HousingFriction
+from toothspace.floating.motion import Balance, Loads, balance_force
+from toothspace.floating.problem import LateralProblem, numbers_of
+from toothspace.floating.stack import HoldingSpring, MovingBearing, Snapshot
 
 _LEAKAGE, _MOST_PLACES = 3e-3, 8
 """Difference of the logarithm of two leakages that agree, and most steps to it. [-]"""

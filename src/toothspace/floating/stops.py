@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.stack import MovingBearing, Stack
+from toothspace.floating.stack import MovingBearing, Stack
 
 _STIFFNESS = 1e9
 """Stiffness of the cover at one place of the rim. [N/m]"""

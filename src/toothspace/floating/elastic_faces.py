@@ -14,9 +14,9 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
 from toothspace.elasticity.influence import COARSER
-from toothspace.films.lateral.basis_functions import BasisFunctions
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.stack import Snapshot
+from toothspace.floating.basis_functions import BasisFunctions
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.stack import Snapshot
 from toothspace.numerics.parallel import in_parallel
 
 _PROBE = 1e6

@@ -10,19 +10,19 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
-from toothspace.films.lateral.stops import leaning
-from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_load import axial_load
-from toothspace.results.solution import Solution
-from toothspace.results.variables import VARIABLES
-from toothspace.simulation.lateral.coupling import (
+from toothspace.floating.body_loads import face_deflection
+from toothspace.floating.coupling import (
     CoupledPoint,
     LumpedRun,
     PointRequest,
     couple_point,
 )
-from toothspace.simulation.lateral.loads import face_deflection
-from toothspace.simulation.lateral.problem import LateralNumbers, film_fields, film_places
+from toothspace.floating.problem import LateralNumbers, film_fields, film_places
+from toothspace.floating.stops import leaning
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_load import axial_load
+from toothspace.results.solution import Solution
+from toothspace.results.variables import VARIABLES
 
 HeatedRun = Callable[[MachineDescription, Callable[[MachineDescription], Solution]], Solution]
 """Solution with temperatures, from a machine and what repeats it with other viscosities."""
