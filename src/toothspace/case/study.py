@@ -10,6 +10,7 @@ from typing import Any, final
 
 from toothspace.core.keys import (
     Free,
+    Integer,
     KeyRuleError,
     KeyTable,
     Named,
@@ -241,6 +242,13 @@ class CalibrateStudy(KeyTable):
         Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
     )
     hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
+    fit_rows: tuple[int, ...] | None = items(
+        Integer(low=1, high=10**6),
+        "Rows of steady points that are fitted, counted from 1, all others held out; a share of "
+        "the data if not given.",
+        low=1,
+        default=None,
+    )
     evaluation_count: int = integer(
         "Most sets of values that are tried.", low=2, high=10**6, default=200
     )

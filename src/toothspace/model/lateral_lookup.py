@@ -35,7 +35,7 @@ from toothspace.model.lateral_table import (
     LateralLookup,
 )
 
-LEAST_PRESSURE = 1e4
+LEAST_PRESSURE = 1e5
 """Pressure difference below which loads and friction are those of this one. [Pa]"""
 AREA, REACH, PRELOAD, PRELOAD_MOMENT, HIGH, LOW, WARMTH = range(7)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -51,8 +52,8 @@ def _cycle(case: str, effort: Effort, *more: str) -> Solution:
     return solved(case, *(('circuit.duration="6 s"',) if effort == "short" else ()), *more)
 
 
-def _ratio(effort: Effort) -> Evidence:
-    solution = _cycle("startup_fan_drive", effort)
+def _ratio(case: str, effort: Effort) -> Evidence:
+    solution = _cycle(case, effort)
     numbers, words = solution.summary(), "for comparison: swings after breakaway count as running"
     settled, running = (
         float(numbers.get(name, np.nan))
@@ -107,7 +108,7 @@ def _ratio_over_speed(effort: Effort) -> Evidence:
 
 
 def _breakaway(effort: Effort) -> Evidence:
-    numbers = _cycle("startup_fan_drive", effort).summary()
+    numbers = _cycle("startup_complete", effort).summary()
     displacement = float(numbers["displacement_cm3_per_rev"]) * 1e-6
     found = float(numbers["breakaway_pressure_bar"]) * 1e5 * displacement / (2.0 * np.pi)
     name = "moment of the pressures at breakaway, without load"
@@ -132,13 +133,14 @@ def _smooth(effort: Effort) -> Evidence:
         knots = [["0 s", "0 rpm"], ["1 s", "0 rpm"], [f"{1.0 + ramp} s", "300 rpm"]]
         knots.append(["9 s", "300 rpm"])
         solution = solved(
-            "startup_fan_drive", f"circuit.supply.speed={knots}", 'circuit.duration="9 s"'
+            "startup_complete", f"circuit.supply.speed={knots}", 'circuit.duration="9 s"'
         )
         stops = sum(event.kind == "shaft_stopped" for event in solution.events)
-        beyond = float(solution.data["lateral_load_beyond"].mean())
+        turning = np.asarray(solution.data["shaft_speed"]) != 0.0
+        beyond = float(solution.data["lateral_load_beyond"].values[turning].mean())
         name = f"stops after breakaway, supply up in {ramp:g} s"
         values.append(within(name, stops, "-", "the shaft goes on once it turns", 0.0, 0.0))
-        name = f"share of the time outside the tables of the films, {ramp:g} s"
+        name = f"share of turning outside the tables of the films, {ramp:g} s"
         values.append(within(name, beyond, "-", "a start stays inside", 0.0, 0.01))
         curves += _over_time(solution)
     return Evidence(tuple(values), tuple(curves))
@@ -200,9 +202,22 @@ CLAIMS = (
         'Section 4: "The simulation predicts the start-up pressure to be almost 400% of maximum '
         'operational pressure during experimental cycle". Operational: on the plateau, when the '
         "line has settled.",
-        "15 %: read from words.",
-        _ratio,
+        "15 %: read from words. Faces in closed form, friction at rest of Table 4.",
+        partial(_ratio, "startup_fan_drive"),
         3.0,
+    ),
+    Claim(
+        "startup_ratio_complete",
+        SOURCE,
+        "The same sentence, with tables of solved films beside the gears (equation 2.9) and the "
+        "friction at rest of all interfaces.",
+        "15 %: read from words.",
+        partial(_ratio, "startup_complete"),
+        3.0,
+        reason=(
+            "Bushings balanced at 50 to 250 bar touch the gears at the 7 bar of the plateau; the "
+            "paper interpolates its table from 50 bar on (docs/validation/startup.md)."
+        ),
     ),
     Claim(
         "startup_ratio_over_speed",
