@@ -1,4 +1,4 @@
-"""The three walks of docs/developer/extending.md, each done on something that does not exist."""
+"""The four walks of docs/developer/extending.md, each done on something that does not exist."""
 
 from __future__ import annotations
 
@@ -12,14 +12,18 @@ import numpy as np
 import pytest
 
 from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
-from tests.architecture.reference_pages import result_page
+from tests.architecture.reference_pages import case_page, result_page
 from tests.architecture.sources import PACKAGE, REPOSITORY
-from toothspace import api
-from toothspace.core.registry import machine_modules
+from toothspace import api, studies
+from toothspace.case import Case
+from toothspace.core.errors import CaseError
+from toothspace.core.registry import machine_modules, study_modules
 from toothspace.core.status import Status
 from toothspace.report.html import write_report
+from toothspace.report.study import study_report_html
 from toothspace.results import variables
 from toothspace.results.io import load_solution
+from toothspace.studies import run_study
 
 TYPE = """
 from dataclasses import dataclass
@@ -119,6 +123,79 @@ def test_machine(toy_package: Path, preset: str) -> None:
         assert solution.ledger.energy_balance_error < 1e-3
         assert solution.ledger.mass_balance_error < 1e-3
         assert "lateral" in text
+
+
+STUDY = '''
+"""Flow of a case over a few shaft speeds."""
+
+from dataclasses import dataclass
+from typing import final
+
+from toothspace.core.keys import KeyTable, integer
+from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import new_figure
+from toothspace.studies.points import collected, operating_values, point, status_of
+from toothspace.studies.study import Study, StudyResult
+from toothspace.studies.tabulate import map_dataset, point_lists
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ToySpeedsStudy(KeyTable):
+    """``kind = "toy_speeds"``: flow over shaft speeds below that of the case."""
+
+    speed_count: int = integer("Shaft speeds.", low=2, high=9)
+
+
+def run(case, context):
+    count, own = case.study.speed_count, case.operating_point.shaft_speed
+    speeds = [own * (k + 1) / count for k in range(count)]
+    points = [point(case, operating_values(shaft_speed=speed)) for speed in speeds]
+    records = collected(points, context)
+    data = map_dataset({"shaft_speed": (speeds, "rad/s")}, records)
+    numbers = point_lists({"shaft_speed": speeds}, records)
+    return StudyResult(status=status_of(records), data=data, numbers=numbers)
+
+
+def figures(data):
+    figure = new_figure(3.0, 2.0)
+    figure.subplots().plot(data["shaft_speed"], data["mean_flow_L_per_min"])
+    return [StudyFigure("toy_flow", "Flow over shaft speed.", figure)]
+
+
+STUDY = Study(ToySpeedsStudy, run, figures)
+'''
+
+
+@pytest.fixture
+def toy_study(tmp_path: Path) -> Iterator[None]:
+    """One more file among the studies."""
+    (tmp_path / "toy_speeds.py").write_text(STUDY, encoding="utf-8")
+    studies.__path__.append(str(tmp_path))
+    study_modules.cache_clear()
+    yield
+    studies.__path__.remove(str(tmp_path))
+    study_modules.cache_clear()
+    sys.modules.pop("toothspace.studies.toy_speeds", None)
+
+
+def test_study(toy_study: None, tmp_path: Path) -> None:
+    """One file: its keys are read, shown and refused; it runs, goes on, is drawn and reported."""
+    case = api.load_case(REPOSITORY / "cases" / "egm12_pump.toml", ["run.fidelity=ideal"])
+    with pytest.raises(CaseError, match=r"study\.speed_count: found 1, allowed .* from 2 to 9"):
+        case.replace({"study": {"kind": "toy_speeds", "speed_count": 1}})
+    case = case.replace({"study": {"kind": "toy_speeds", "speed_count": 2}})
+    assert case.study_kind == "toy_speeds"
+    assert Case.from_toml(case.to_toml()) == case
+    assert '`kind = "toy_speeds"`' in case_page()
+    result = run_study(case, tmp_path / "study")
+    assert result.status is Status.DONE
+    frame = result.to_dataframe()
+    assert frame["mean_flow_L_per_min"].is_monotonic_increasing
+    assert frame.attrs["units"]["mean_flow_L_per_min"] == "L/min"
+    assert result.plot.toy_flow().axes
+    assert "Flow over shaft speed." in study_report_html(result)
+    assert run_study(case, tmp_path / "study", resume=True).data.identical(result.data)
 
 
 def test_result_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

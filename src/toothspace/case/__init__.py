@@ -11,7 +11,6 @@ shipped         cases that come with the package
 json_schema     JSON Schema of all keys
 conditions      fluid, operating point, numerical settings of the run
 circuit         circuit elements and their connections
-study           named studies
 stand_alone     journal bearing and film without a machine
 =============== ==========================================================
 """

@@ -11,7 +11,6 @@ import numpy as np
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.study import HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
@@ -28,6 +27,7 @@ from toothspace.floating.problem import (
     balance_of,
 )
 from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.results.summary_names import unit_of
 from toothspace.results.variables import variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
 from toothspace.run.run import Run
@@ -40,7 +40,6 @@ from toothspace.studies.stored_point import (
     stored_point,
 )
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -257,8 +256,8 @@ class LateralPoints:
         )
 
 
-def housing_contact(study: HysteresisStudy | NosePressureStudy) -> HousingContact:
-    """Friction in the housing by the keys of a study."""
+def housing_contact(study: Any) -> HousingContact:
+    """Friction in the housing by the three keys of a study for it."""
     return HousingContact(
         friction_coefficient=study.friction_coefficient,
         breakaway_speed=study.breakaway_speed,

@@ -13,7 +13,6 @@ import xarray as xr
 
 from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import load_case
-from toothspace.case.study import BalanceSweepStudy, BearingMapStudy, HysteresisStudy
 from toothspace.closures.contact_rough import real_contact_share
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
@@ -30,12 +29,12 @@ from toothspace.model.film_faces import FilmFace
 from toothspace.model.floating_bearing import HousingContact
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
-from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.report.wording import quantity
-from toothspace.studies import balance_sweep, bearing_map, hysteresis
-from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
-from toothspace.studies.hysteresis import friction_curves
+from toothspace.studies import balance_sweep, bearing_map, hysteresis, study_figures
+from toothspace.studies.balance_sweep import GAPS, BalanceSweepStudy, FilmTable, claims, follow
+from toothspace.studies.bearing_map import BearingMapStudy
+from toothspace.studies.hysteresis import HysteresisStudy, friction_curves
 from toothspace.studies.stored_point import stored_point
 from toothspace.studies.study import StudyContext
 

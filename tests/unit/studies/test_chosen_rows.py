@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toothspace.case.study import CalibrateStudy
 from toothspace.core.errors import CaseError
-from toothspace.studies.calibrate import _used_rows
+from toothspace.studies.calibrate import CalibrateStudy, _used_rows
 from toothspace.studies.measured import read_measured
 
 BENCH = Path(__file__).resolve().parents[3] / "cases" / "measured" / "egm12_bench.csv"

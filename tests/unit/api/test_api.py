@@ -14,10 +14,11 @@ from matplotlib.figure import Figure
 import toothspace as ts
 from tests.fake_solution import fake_solution
 from tests.study_cases import answer
-from toothspace import api, interactive
+from toothspace import api
 from toothspace.case import Case
 from toothspace.core.signals import read_columns
-from toothspace.results.solution import Solution as Result
+from toothspace.run import ideal, lumped
+from toothspace.run.run import Run
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 MOTOR = REPOSITORY / "cases" / "egm12_motor.toml"
@@ -45,11 +46,12 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
     """Replace the simulation by a made-up result; the cases that it was asked for."""
     seen: list[Case] = []
 
-    def simulate(case: Case, progress: object = None) -> Result:
-        seen.append(case)
+    def simulate(run: Run, progress: object = None) -> ts.Solution:
+        seen.append(run.case)
         return fake_solution()
 
-    monkeypatch.setattr(api, "simulate", simulate)
+    for preset in (ideal, lumped):
+        monkeypatch.setattr(preset, "simulate", simulate)
     return seen
 
 
@@ -77,6 +79,7 @@ def test_stub_names_what_the_package_has() -> None:
     stub = (REPOSITORY / "src" / "toothspace" / "__init__.pyi").read_text(encoding="utf-8")
     named = {line.rpartition(" as ")[2] for line in stub.splitlines() if " as " in line}
     assert named | {"__version__"} == set(ts.__all__)
+    assert not [name for name in named if getattr(ts, name, None) is None]
 
 
 WRONG_SCRIPT = """\
@@ -224,9 +227,9 @@ def test_two_results_side_by_side(solution: ts.Solution) -> None:
     case = ts.load_case(MOTOR)
     wide = case.replace({"machine.gears.face_width": "9 mm"})
 
-    def of(given: Case) -> interactive.Solution:
+    def of(given: Case) -> ts.Solution:
         texts = {"case_toml": given.to_toml(), "case_file": str(given.source)}
-        return interactive.Solution(
+        return ts.Solution(
             solution.status, solution.data, solution.ledger, solution.statistics,
             {**solution.provenance, **texts},
         )  # fmt: skip
