@@ -15,8 +15,8 @@ from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.floating.body_loads import loaded_bodies, node_pressures
 from toothspace.floating.deformation import Fineness

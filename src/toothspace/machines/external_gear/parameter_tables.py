@@ -33,7 +33,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
 )
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
 )
@@ -43,7 +43,7 @@ from toothspace.machines.shared_tables import (
     PortParameters,
     SideGapParameters,
 )
-from toothspace.model.description import BreakawayLaw, StartupFriction
+from toothspace.model.description import BreakawayLaw, RunningIn, StartupFriction
 
 _PORTS_AND_GROOVES = 330.0
 """Largest sum of both angles along a bore. [deg]"""
@@ -166,16 +166,6 @@ class DrivenGearParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class WearInParameters(KeyTable):
-    """``[machine.casing.wear_in]``: condition at which the gears cut into the casing."""
-
-    pressure: float = quantity("bar", "Pressure on the high-pressure side.", above=0, high=1000)
-    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
-    temperature: float = quantity("degC", "Fluid temperature.", low=-60, high=250)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class CasingParameters(KeyTable):
     """``[machine.casing]``: bores round the gears and their port edges."""
 
@@ -216,8 +206,8 @@ class CasingParameters(KeyTable):
         "Height of the section through a solid along the axis; default the middle of the teeth.",
         default=None,
     )
-    wear_in: WearInParameters | None = table(
-        WearInParameters, "Running-in condition; leave out for an unworn casing.", default=None
+    wear_in: RunningIn | None = table(
+        RunningIn, "Running-in condition; leave out for an unworn casing.", default=None
     )
 
     def __post_init__(self) -> None:
