@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
@@ -41,7 +42,9 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
     if case.run.film_tables is not None and not preset.reads("film_tables"):
         allowed = f"fidelity {_presets(p for p in PRESETS.values() if p.reads('film_tables'))}"
         yield Problem("run.film_tables", f"tables with {preset.name!r}", allowed)
-    if case.heat != HeatSettings() and (given[0] != "operating_point" or not preset.has_losses):
+    # the choice of warm films alone stands in cases that also run without losses, or over time
+    given_heat = replace(case.heat, model="network") != HeatSettings()
+    if given_heat and (given[0] != "operating_point" or not preset.has_losses):
         found = f"a table [heat] with [{given[0]}] and fidelity {preset.name!r}"
         warm = _presets(one for one in PRESETS.values() if one.has_losses)
         yield Problem("heat", found, f"[operating_point] and fidelity {warm}")

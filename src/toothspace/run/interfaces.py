@@ -27,6 +27,9 @@ def unused_tables(case: Case) -> dict[str, str]:
         path, value = f"machine.{tables[part]}", attrgetter(tables[part])(case.machine)
         if value not in (None, "given"):
             given[path if isinstance(value, str) else f"[{path}]"] = reasons[part]
+    if case.heat.model == "coupled" and (case.circuit is not None or not run.preset.has_losses):
+        where = "over time" if case.circuit is not None else f"with {run.fidelity!r}"
+        given["heat.model"] = f"by a run {where}"
     for key in (name for preset in PRESETS.values() for name in preset.own_keys):
         if not run.preset.reads(key) and getattr(run, key) != getattr(RunSettings, key):
             given[f"run.{key}"] = f"by a run with {run.fidelity!r}"
