@@ -301,6 +301,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
         breakaway_torque=startup.torque if startup else 0.0,
         breakaway_speed=startup.speed if startup else 1.0,
         breakaway_law=startup.law if startup else "total",
+        seal_ratio=startup.seal_ratio if startup else 1.0,
         load_schedule=history(sources[0], "torque", "N m") if sources else np.zeros((0, 2)),
     )
 

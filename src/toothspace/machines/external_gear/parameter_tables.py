@@ -371,11 +371,19 @@ class StartupParameters(KeyTable):
     )
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
 
+    seal_rest_ratio: float | None = number(
+        "Friction of the shaft seal at rest over that in running; default 1.",
+        low=1,
+        high=20,
+        default=None,
+    )
+
     def __post_init__(self) -> None:
         if self.breakaway == "interfaces":
             forbid(self, 'with breakaway = "interfaces"', "breakaway_torque")
         else:
             require(self, 'unless breakaway = "interfaces"', "breakaway_torque")
+            forbid(self, 'without breakaway = "interfaces"', "seal_rest_ratio")
 
     @property
     def friction(self) -> StartupFriction | None:
@@ -383,7 +391,10 @@ class StartupParameters(KeyTable):
         if self.breakaway_torque == 0.0:
             return None
         return StartupFriction(
-            cast(BreakawayLaw, self.breakaway), self.breakaway_torque or 0.0, self.breakaway_speed
+            law=cast(BreakawayLaw, self.breakaway),
+            torque=self.breakaway_torque or 0.0,
+            speed=self.breakaway_speed,
+            seal_ratio=self.seal_rest_ratio or 1.0,
         )
 
 
@@ -430,6 +441,11 @@ class ExternalGearTables(MachineTables):
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside the gears floats."""
+        return self.floating_bearing is None
 
     @property
     def missing_floating_part(self) -> str:
