@@ -17,7 +17,6 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     Number,
     Table,
@@ -174,18 +173,18 @@ class BearingPathStudy(KeyTable):
     def __post_init__(self) -> None:
         if (self.outlet_pressures is None) == (self.conditions is None):
             found = "neither this nor" if self.conditions is None else "both this and"
-            raise KeyRuleError("outlet_pressures", f"{found} conditions", "one of the two")
+            raise CaseError("outlet_pressures", f"{found} conditions", "one of the two")
         names = [one.name for one in self.conditions or ()]
         twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
         if twice is not None:
-            raise KeyRuleError("conditions", f"{twice!r} twice", "a name of its own for each")
+            raise CaseError("conditions", f"{twice!r} twice", "a name of its own for each")
         if self.measured is None:
             forbid(self, "or give measured positions", "sensor_deflection")
         if self.balance_ratio is None:
             forbid(self, "or give balance_ratio", "reference_area")
             if len(self.friction_coefficient or ()) > 1:
                 found = f"{len(self.friction_coefficient or ())} values"
-                raise KeyRuleError("friction_coefficient", found, "one, or a balance_ratio")
+                raise CaseError("friction_coefficient", found, "one, or a balance_ratio")
         points = "conditions", "nose_pressure_fractions", "measured"
         if self.shaft_speed is not None:
             forbid(self, "because shaft_speed asks for a map", *points, "balance_ratio")
@@ -422,7 +421,7 @@ def asked_path(case: Case) -> BearingPathStudy:
     asked = getattr(case.study, "path", case.study)
     if not isinstance(asked, BearingPathStudy):
         allowed = "a path of a floating bearing"
-        raise CaseError(f"study.kind: found {case.study_kind!r}, allowed {allowed}")
+        raise CaseError("study.kind", repr(case.study_kind), allowed)
     return asked
 
 
@@ -456,10 +455,8 @@ def solve_path(case: Case, context: StudyContext | None = None) -> LateralStudy:
     friction, rounds = study.contact, study.coupling_rounds
     points = replace(prepare(case, friction), rounds=rounds)
     if study.nose_pressure_fractions and points.balance.floating.nose.area <= 0.0:
-        raise CaseError(
-            f"study.kind: found {case.study_kind!r} for a floating part without nose, allowed one "
-            "with a nose (area and center)"
-        )
+        found_one = f"{case.study_kind!r} for a floating part without nose"
+        raise CaseError("study.kind", found_one, "one with a nose (area and center)")
     conditions, keys, behind = study.points(case), [], list[PointCondition]()
     for condition in conditions:
         # a point depends on all that were made since the path began anew
@@ -519,10 +516,10 @@ def read_positions(path: Path) -> tuple[Array, Array]:
     found = read_measured(path)
     if found.times is not None or set(found.channels) != {_POSITION}:
         allowed = f"{_PRESSURE} and {_POSITION}"
-        raise CaseError(f"{path}: columns: found {sorted(found.channels)}, allowed {allowed}")
+        raise CaseError(f"{path}: columns", sorted(found.channels), allowed)
     if any(set(row) != {_PRESSURE} for row in found.settings):
         keys = sorted(found.settings[0])
-        raise CaseError(f"{path}: columns: found {keys}, allowed {_PRESSURE} and {_POSITION}")
+        raise CaseError(f"{path}: columns", keys, f"{_PRESSURE} and {_POSITION}")
     pressure = [parse_quantity(str(row[_PRESSURE]), "bar") for row in found.settings]
     return np.array(pressure), found.channels[_POSITION] * 1e-6
 

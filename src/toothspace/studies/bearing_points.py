@@ -363,9 +363,8 @@ def prepare(case: Case, friction: HousingContact | None) -> LateralPoints:
     """
     if case.operating_point is None:
         allowed = "an [operating_point] that the study starts from"
-        raise CaseError(
-            f"operating_point: found none with study.kind = {case.study_kind!r}, allowed {allowed}"
-        )
+        found = f"none with study.kind = {case.study_kind!r}"
+        raise CaseError("operating_point", found, allowed)
     require_floating_part(case)
     few = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
     run = api.prepare(replace(case, run=few)).worn().with_films()

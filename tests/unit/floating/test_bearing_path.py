@@ -11,7 +11,6 @@ import pytest
 
 from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import KeyRuleError
 from toothspace.core.registry import STUDY_KEYS, study
 from toothspace.studies import bearing_path, bearing_points
 from toothspace.studies.bearing_path import BearingPathStudy, HysteresisStudy, asked_path
@@ -71,7 +70,7 @@ def test_path_over_the_nose_continues_within_a_pressure() -> None:
     ],
 )
 def test_keys_that_exclude_each_other_are_refused(keys: dict[str, Any], key: str) -> None:
-    with pytest.raises(KeyRuleError, match=f"^{key}"):
+    with pytest.raises(CaseError, match=f"^{key}"):
         BearingPathStudy(**keys)
 
 
