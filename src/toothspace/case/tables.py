@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, final
 
-from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
 from toothspace.case.study import STUDIES
+from toothspace.circuit.circuit import Circuit
 from toothspace.core.keys import KeyTable, Variant, declare, integer, table, text
 from toothspace.core.registry import machine_modules
 

@@ -9,9 +9,8 @@ from itertools import product
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.circuit import PumpMap
-from toothspace.case.plumbing import history
 from toothspace.case.study import StartupStudy
+from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si
 from toothspace.studies.points import collected, point, status_of
@@ -65,7 +64,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             f"{case.source}: study.kind: found {found}, allowed a circuit with a supply"
         )
     name, pump = next(iter(pumps.items()))
-    supply = history(pump, "speed", "rpm")
+    supply = pump.speed_over_time
     speeds = study.plateau_speed or (float(supply[:, 1].max()),)
     pitch = 2.0 * math.pi / api.describe(case).families[0].count
     angles = [k * pitch / study.start_angle_count for k in range(study.start_angle_count)]
