@@ -30,11 +30,11 @@ from toothspace import api
 from toothspace.case import Case, load_case
 from toothspace.core.processes import threads
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
-from toothspace.films.lateral.motion import Balance
+from toothspace.floating.coupling import PointRequest, couple_point
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralProblem, LateralTrack, lateral_problem
 from toothspace.run.elastic import lateral_settings
 from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupling import PointRequest, couple_point
-from toothspace.simulation.lateral.problem import LateralProblem, LateralTrack, lateral_problem
 
 CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
 GRIDS = ((280, 26), (560, 52), (812, 74))

@@ -40,7 +40,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
-        "*/heat_network.py", "simulation/heating.py", "simulation/lateral/heat.py",
+        "*/heat_network.py", "simulation/heating.py", "floating/heat.py",
         "closures/heat*",
     ),
     "losses by cause, ripple of the source, lines": (
@@ -48,7 +48,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "studies/source_ripple.py", "plotting/source_figures.py",
     ),
     "notebooks, command line, report": (
-        "interactive.py", "cli/*", "report/*", "core/progress.py",
+        "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
         "advice/trapping.py", "machines/external_gear/elastic_assembly.py",
@@ -66,7 +66,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "functional mock-up units": ("fmi/*",),
     "bodies that lift and tilt between covers": (
-        "simulation/lateral/between_covers.py", "films/lateral/resting_covers.py",
+        "floating/between_covers.py",
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
     "bearing blocks that follow their load": ("model/free_motions.py",),

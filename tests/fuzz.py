@@ -141,7 +141,7 @@ CSV = (
 
 def read_case(data: st.DataObject) -> None:
     content = damaged(data.draw(st.sampled_from(case_texts())), data.draw(DAMAGE))
-    check(lambda: Case.from_toml(content.decode("utf-8", "replace"), CASES, "case"))
+    check(lambda: Case.from_toml(content.decode("utf-8", "replace"), CASES, "case").check())
 
 
 def read_override(data: st.DataObject) -> None:
@@ -150,7 +150,7 @@ def read_override(data: st.DataObject) -> None:
     key = data.draw(st.sampled_from(names) | TEXT)
     value = data.draw(TEXT | TOKENS | st.integers().map(str))
 
-    check(lambda: load_case(copy.deepcopy(tables), [f"{key}={value}"]))
+    check(lambda: load_case(copy.deepcopy(tables), [f"{key}={value}"]).check())
 
 
 def read_unit(data: st.DataObject) -> None:

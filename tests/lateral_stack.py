@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from toothspace.films import FilmFluid
-from toothspace.films.lateral.face_film import film_law
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.housing_friction import housing_friction
-from toothspace.films.lateral.motion import Loads
-from toothspace.films.lateral.stack import BackPressure, Stack, WinklerFoundation
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+from toothspace.floating.face_film import film_law
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.housing_friction import housing_friction
+from toothspace.floating.motion import Loads
+from toothspace.floating.stack import BackPressure, Stack, WinklerFoundation
 from toothspace.model.film_faces import (
     FILM,
     NO_BODY,
@@ -22,7 +22,7 @@ from toothspace.model.film_faces import (
     FaceSurfaces,
     FilmFace,
 )
-from toothspace.model.lateral_balance import (
+from toothspace.model.floating_bearing import (
     AxialForce,
     FilmInterface,
     FloatingBearing,

@@ -12,8 +12,8 @@ from pathlib import Path
 import matplotlib as mpl
 import xarray as xr
 
-from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import save_figure
+from toothspace.studies import study_figures
 
 HERE = Path(__file__).resolve().parent
 PICTURES = (

@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from toothspace import api
+from toothspace.floating.between_covers import BodiesBetweenCovers, bodies_between_covers
 from toothspace.plotting.style import styled
 from toothspace.run.condition import condition_of, fluid_of
-from toothspace.simulation.lateral.between_covers import BodiesBetweenCovers, bodies_between_covers
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 GRID = (126, 20)

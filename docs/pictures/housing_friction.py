@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from toothspace.films.lateral.housing_friction import HousingFriction
+from toothspace.floating.housing_friction import HousingFriction
 from toothspace.plotting.style import BLUE, ORANGE, new_figure, save_figure, styled
 
 HERE = Path(__file__).resolve().parent

@@ -27,8 +27,8 @@ from PIL import Image
 
 import toothspace as ts
 from toothspace.plotting.section import gear_section
-from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import save_figure
+from toothspace.studies import study_figures
 
 HERE = Path(__file__).resolve().parent
 FRAMES = 20

@@ -1,22 +1,27 @@
-"""Composition root: the only place that sees machine types and simulation together."""
+"""What a notebook or a script calls, and the only place that sees machines and runs together."""
 
 from __future__ import annotations
 
+import reprlib
 import time
 from collections.abc import Iterable, Mapping
 from functools import partial
 from importlib import import_module
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from toothspace.case import Case, load_case
-from toothspace.case.fingerprint import kept_by_content
-from toothspace.case.study import study_kind
+from toothspace.case.fingerprint import cached_by_hash
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
 from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type
+from toothspace.core.types import Array
+from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
 from toothspace.machines import shared_designs
 from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
@@ -26,31 +31,36 @@ from toothspace.run.condition import condition_of, fluid_of, known_pressure
 from toothspace.run.run import Run
 
 if TYPE_CHECKING:
-    from toothspace.core.types import Array
     from toothspace.geometry.evaluated_designs import EvaluatedDesigns
+
+AnyCase = Case | str | Path | Mapping[str, Any]
+"""What stands for a case: itself, its file, the name of a shipped one, or its tables."""
+
+NOT_REBUILT = (
+    "The machine could not be rebuilt from the case in the result, so its section and design "
+    "rules are missing: "
+)
 
 _KEPT_MACHINES = 4
 _machines: dict[str, MachineDescription] = {}
 
 
-def describe(case: Case) -> MachineDescription:
-    """Turn the machine of a case into its tables; those of the last few machines are kept."""
-    name, spec = case.machine_type, case.machine_spec
+def describe(case: AnyCase) -> MachineDescription:
+    """Turn the machine of a case into its tables over the shaft angle.
+
+    Those of the last few machines are kept.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case, its file or its tables.
+    """
+    given = load_case(case)
+    name, spec = given.machine_type, given.machine_spec
     if spec is None:
         raise CaseError("machine: found none, allowed a case with a [machine] table")
     make = partial(machine_type(name).describe, spec)
-    return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
-
-
-def evaluate_designs(
-    case: Case,
-    varied: Mapping[str, Array],
-    addendum: float | None = None,
-    displacement: float | None = None,
-) -> EvaluatedDesigns:
-    """See :func:`toothspace.machines.shared_designs.evaluate_designs`. [SI unit]."""
-    fixed = case.label, case.machine_type, case.machine
-    return shared_designs.evaluate_designs(*fixed, varied, addendum, displacement)
+    return cached_by_hash(_machines, _KEPT_MACHINES, make, name, spec)
 
 
 def prepare(case: Case) -> Run:
@@ -65,25 +75,41 @@ def prepare(case: Case) -> Run:
     return Run(case, machine, fluid, condition_of(case, machine, fluid))
 
 
-def simulate(case: Case, progress: Progress | None = None) -> Solution:
-    """Run a case and return its solution; a numerical failure is a status of it.
+def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) -> Solution:
+    """Run a case; a numerical failure is a status of the solution.
 
-    ``progress`` is called with the finished share and a short text.
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case, its file or its tables.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    **overrides : object
+        Values of key paths as for :meth:`toothspace.Case.replace`, two underscores for the dot:
+        ``operating_point__shaft_speed="2000 rpm"``.
 
     Raises
     ------
     CaseError
         If the case has a study, which asks for more than one run, or for the impossible.
+
+    Examples
+    --------
+    >>> import toothspace as ts
+    >>> ts.simulate("cases/egm12_pump.toml", run__fidelity="ideal")  # doctest: +SKIP
     """
-    if case.study is not None:
-        allowed = "toothspace.studies.run_study for it, or study = None for one run of the case"
-        raise CaseError(f"{case.label}: study: found {study_kind(case.study)!r}, allowed {allowed}")
+    given = load_case(case)
+    if overrides:
+        given = given.replace({name.replace("__", "."): v for name, v in overrides.items()})
+    if given.study is not None:
+        allowed = "toothspace.run_study for it, or study = None for one run of the case"
+        raise CaseError(f"{given.label}: study: found {given.study_kind!r}, allowed {allowed}")
     started, compiled = time.perf_counter(), compile_seconds()
-    run, simulated = prepare(case), import_module(case.run.preset.module).simulate
-    solution = with_warnings(simulated(run, progress), known_pressure(case))
+    run, simulated = prepare(given), import_module(given.run.preset.module).simulate
+    solution = with_warnings(simulated(run, progress), known_pressure(given))
     if run.machine.as_drawn:
         try:
-            drawn = prepare(case.replace(run.machine.as_drawn))
+            drawn = prepare(given.replace(run.machine.as_drawn))
         except CaseError as error:
             solution = solution.with_note(f"Flanks as in the file cannot be computed with: {error}")
         else:
@@ -93,12 +119,134 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     return solution.with_note(wall_time=wall, compile_time=compiling)
 
 
-def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:
+def simulate_all(cases: Iterable[AnyCase], workers: int = 1) -> list[Solution | Exception]:
     """Run several cases; a case that cannot run is returned as its exception.
 
     A numerical failure within a run is a solution with its status, as in :func:`simulate`.
+
+    Parameters
+    ----------
+    cases : iterable of Case, str, Path or mapping
+        Cases, their files or their tables.
+    workers : int
+        Processes.
     """
-    return outcomes(simulate, cases, workers)
+    if not isinstance(cases, Iterable) or isinstance(cases, (str, Mapping)):
+        raise CaseError(f"cases: found {reprlib.repr(cases)}, allowed a list of cases")
+    return outcomes(simulate, [load_case(case) for case in cases], process_count(workers))
+
+
+def process_count(workers: object) -> int:
+    """Number of processes, checked."""
+    if isinstance(workers, bool) or not isinstance(workers, Integral) or workers < 1:
+        raise CaseError(f"workers: found {reprlib.repr(workers)}, allowed a whole number above 0")
+    return int(workers)
+
+
+def case_of(solution: Solution) -> Case:
+    """Return the case that a result carries; files are looked for beside the case file.
+
+    Raises
+    ------
+    CaseError
+        If a file is gone, or the case is none of this version.
+    """
+    folder = Path(solution.provenance.get("case_file", "")).parent
+    return Case.from_toml(solution.provenance.get("case_toml", ""), folder)
+
+
+def machine_of(solution: Solution) -> tuple[MachineDescription | None, str]:
+    """Describe the machine of a result, rebuilt from the case that it carries.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result with ``case_toml``, ``case_hash`` and ``case_file`` in its provenance.
+
+    Returns
+    -------
+    MachineDescription or None
+        None if it cannot be rebuilt, for example because a profile file is gone.
+    str
+        Why not; empty if it was.
+    """
+    try:
+        case = case_of(solution)
+        if case.hash != solution.provenance.get("case_hash", case.hash):
+            return None, NOT_REBUILT + "files that the case names have changed since the run."
+        return describe(case), ""
+    except CaseError as error:
+        return None, f"{NOT_REBUILT}{error}"
+
+
+def evaluate_designs(
+    case: Case | str | Path,
+    values: Mapping[str, Any],
+    *,
+    addendum: float | None = None,
+    displacement: Quantity | str | float | None = None,
+) -> EvaluatedDesigns:
+    """Kinematics of many gear designs at once, without a run: closed forms over arrays.
+
+    Parameters
+    ----------
+    case : Case, str or Path
+        Machine with gears given by parameters; its keys count where none are given here.
+    values : mapping of key path to array
+        Numbers, in SI units where the key has a unit, or texts with units; arrays are broadcast
+        together. Keys of the teeth, ``face_width``, ``normal_backlash`` and ``center_distance``.
+    addendum : float, optional
+        Height of the teeth above the shifted reference line, in modules: tip diameters follow
+        module, tooth count and profile shift. Left out, they are those given.
+    displacement : Quantity, str or float, optional
+        Such as ``"4.95 cm^3/rev"``, or a number in m3/rad: the face width of each design is
+        chosen for it.
+
+    Returns
+    -------
+    EvaluatedDesigns
+        Numbers as of ``toothspace geometry``, of the shape of the arrays, NaN of designs that
+        cannot be made or do not turn; ``reasons``, ``valid``, ``keeps_rules`` and ``why(index)``
+        say what is against a design.
+
+    Raises
+    ------
+    CaseError
+        If a key does not act on the kinematics, or the teeth come from a file.
+
+    Examples
+    --------
+    >>> import toothspace as ts
+    >>> designs = ts.evaluate_designs(
+    ...     "egm12_pump", {"machine.gears.tooth_count": [10, 12, 14]}, addendum=1.0
+    ... )
+    >>> designs["flow_ripple_percent"].round(1).tolist()
+    [19.6, 16.7, 14.5]
+    """
+    if not isinstance(values, Mapping):
+        raise CaseError(f"values: found {reprlib.repr(values)}, allowed a table of keys and arrays")
+    arrays = {path: _in_si(raw) for path, raw in values.items()}
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError as error:
+        found = ", ".join(f"{path} {array.shape}" for path, array in arrays.items())
+        allowed = "shapes that go together"
+        raise CaseError(f"values: found arrays of shapes {found}, allowed {allowed}") from error
+    rows = {path: np.broadcast_to(array, shape).ravel() for path, array in arrays.items()}
+    volume = displacement
+    if volume is not None and not isinstance(volume, float):
+        volume = parse_quantity(str(volume), "cm^3/rev")
+    given = load_case(case)
+    fixed = given.label, given.machine_type, given.machine
+    return shared_designs.evaluate_designs(*fixed, rows, addendum, volume).shaped(shape)
+
+
+def _in_si(raw: Any) -> Array:
+    given = np.asarray(raw)
+    if given.dtype.kind in "OU":
+        numbers = [to_si(*split_quantity(str(as_text(one)))) for one in given.flat]
+        return np.asarray(numbers).reshape(given.shape)
+    return given.astype(float)
 
 
 def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:

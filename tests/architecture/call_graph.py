@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from tests.architecture.sources import PACKAGE, SOURCES, Source
-from toothspace.case.study import STUDIES
+from toothspace.core.registry import VIEWS
 
 Definition = tuple[str, str]
 """Name of a module and of what it defines."""
@@ -129,10 +129,11 @@ class CallGraph:
                     for item in ast.walk(statement.value)
                     if isinstance(item, ast.Constant)
                 ]
-                return [*self._resolved(module, names), (module, BODY)]
+                return [*self.resolved(module, names), (module, BODY)]
         return [(module, name) for name in own.definitions if not name.startswith("_")]
 
-    def _resolved(self, module: str, names: Iterable[str]) -> Iterator[Definition]:
+    def resolved(self, module: str, names: Iterable[str]) -> Iterator[Definition]:
+        """Where names of a module are defined."""
         for name in names:
             target = self._lookup(module, name)
             if target is not None:
@@ -170,16 +171,16 @@ class CallGraph:
                 yield from self._used_by(node, own, local)
                 if name != BODY and isinstance(node, ast.ImportFrom) and node.module:
                     # what a function imports itself may have the name of a function beside it
-                    yield from self._resolved(node.module, [alias.name for alias in node.names])
+                    yield from self.resolved(node.module, [alias.name for alias in node.names])
 
     def _used_by(self, node: ast.AST, own: Module, local: set[str]) -> Iterator[Definition]:
         if isinstance(node, ast.Name) and node.id not in local:
-            yield from self._resolved(own.name, [node.id])
+            yield from self.resolved(own.name, [node.id])
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             target, attribute = own.imports.get(node.value.id, ("", ""))
             inner = f"{target}.{attribute}" if attribute else target
             if inner in self.modules:
-                yield from self._resolved(inner, [node.attr])
+                yield from self.resolved(inner, [node.attr])
         elif isinstance(node, ast.ImportFrom) and node.module in self.modules:
             yield node.module, BODY
             for alias in node.names:
@@ -209,14 +210,26 @@ def package_graph() -> CallGraph:
     return CallGraph(Module(module_name(source), source.tree) for source in SOURCES)
 
 
+def public_names(graph: CallGraph) -> Iterator[Definition]:
+    """What the package offers by name, and what shows its results."""
+    stub = ast.parse((PACKAGE / "__init__.pyi").read_text(encoding="utf-8"))
+    for node in ast.walk(stub):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [alias.name for alias in node.names]
+            yield from graph.resolved(f"toothspace.{node.module}", names)
+    for place in VIEWS.values():
+        module, _, name = place.partition(":")
+        yield from graph.resolved(module, [name])
+
+
 def entry_points(graph: CallGraph) -> list[Definition]:
     """Command line, Python, films, bodies, machine types, studies, modules run by ``-m``."""
-    found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api")]
+    found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api"), *public_names(graph)]
     found += [*graph.public("toothspace.films.public"), *graph.public("toothspace.elasticity")]
     for module, own in graph.modules.items():
         parts = module.split(".")
-        if module.removeprefix("toothspace.studies.") in STUDIES:
-            found.append((module, "run"))
+        if module.startswith("toothspace.studies.") and "STUDY" in own.definitions:
+            found.append((module, "STUDY"))
         if any(_is_main(statement) for statement in own.tree.body):
             found.append((module, BODY))
         if parts[:2] == ["toothspace", "machines"] and (

@@ -40,6 +40,16 @@ def test_package_imports_without_what_is_optional() -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_run_of_a_machine_that_does_not_float_loads_nothing_that_does(repository: Path) -> None:
+    done = run(
+        "import sys, toothspace as ts\n"
+        f"case = ts.load_case({str(repository / 'cases' / 'egm12_pump.toml')!r})\n"
+        "ts.simulate(case.replace({'run.fidelity': 'lumped', 'run.revolutions': 1}))\n"
+        "print([name for name in sys.modules if name.startswith('toothspace.floating')])\n"
+    )
+    assert done.stdout.split("\n")[-2] == "[]", done.stdout + done.stderr
+
+
 def test_hiding_a_package_hides_it() -> None:
     done = run("import sys\nsys.modules['numpy'] = None\nimport numpy\n")
     assert done.returncode != 0

@@ -1,9 +1,13 @@
-"""The three walks of docs/developer/extending.md, each done on something that does not exist."""
+"""The five walks of docs/developer/extending.md, each done on something that does not exist."""
 
 from __future__ import annotations
 
 import ast
 import importlib
+import json
+import os
+import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,15 +15,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests import tank_circuit
 from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
-from tests.architecture.reference_pages import result_page
+from tests.architecture.reference_pages import case_page, result_page
 from tests.architecture.sources import PACKAGE, REPOSITORY
-from toothspace import api
-from toothspace.core.registry import machine_modules
+from toothspace import api, studies
+from toothspace.case import Case
+from toothspace.core.errors import CaseError
+from toothspace.core.registry import machine_modules, study_modules
 from toothspace.core.status import Status
 from toothspace.report.html import write_report
+from toothspace.report.study import study_report_html
 from toothspace.results import variables
 from toothspace.results.io import load_solution
+from toothspace.studies import run_study
 
 TYPE = """
 from dataclasses import dataclass
@@ -121,6 +130,79 @@ def test_machine(toy_package: Path, preset: str) -> None:
         assert "lateral" in text
 
 
+STUDY = '''
+"""Flow of a case over a few shaft speeds."""
+
+from dataclasses import dataclass
+from typing import final
+
+from toothspace.core.keys import KeyTable, integer
+from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import new_figure
+from toothspace.studies.points import collected, operating_values, point, status_of
+from toothspace.studies.study import Study, StudyResult
+from toothspace.studies.tabulate import map_dataset, point_lists
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ToySpeedsStudy(KeyTable):
+    """``kind = "toy_speeds"``: flow over shaft speeds below that of the case."""
+
+    speed_count: int = integer("Shaft speeds.", low=2, high=9)
+
+
+def run(case, context):
+    count, own = case.study.speed_count, case.operating_point.shaft_speed
+    speeds = [own * (k + 1) / count for k in range(count)]
+    points = [point(case, operating_values(shaft_speed=speed)) for speed in speeds]
+    records = collected(points, context)
+    data = map_dataset({"shaft_speed": (speeds, "rad/s")}, records)
+    numbers = point_lists({"shaft_speed": speeds}, records)
+    return StudyResult(status=status_of(records), data=data, numbers=numbers)
+
+
+def figures(data):
+    figure = new_figure(3.0, 2.0)
+    figure.subplots().plot(data["shaft_speed"], data["mean_flow_L_per_min"])
+    return [StudyFigure("toy_flow", "Flow over shaft speed.", figure)]
+
+
+STUDY = Study(ToySpeedsStudy, run, figures)
+'''
+
+
+@pytest.fixture
+def toy_study(tmp_path: Path) -> Iterator[None]:
+    """One more file among the studies."""
+    (tmp_path / "toy_speeds.py").write_text(STUDY, encoding="utf-8")
+    studies.__path__.append(str(tmp_path))
+    study_modules.cache_clear()
+    yield
+    studies.__path__.remove(str(tmp_path))
+    study_modules.cache_clear()
+    sys.modules.pop("toothspace.studies.toy_speeds", None)
+
+
+def test_study(toy_study: None, tmp_path: Path) -> None:
+    """One file: its keys are read, shown and refused; it runs, goes on, is drawn and reported."""
+    case = api.load_case(REPOSITORY / "cases" / "egm12_pump.toml", ["run.fidelity=ideal"])
+    with pytest.raises(CaseError, match=r"study\.speed_count: found 1, allowed .* from 2 to 9"):
+        case.replace({"study": {"kind": "toy_speeds", "speed_count": 1}})
+    case = case.replace({"study": {"kind": "toy_speeds", "speed_count": 2}})
+    assert case.study_kind == "toy_speeds"
+    assert Case.from_toml(case.to_toml()) == case
+    assert '`kind = "toy_speeds"`' in case_page()
+    result = run_study(case, tmp_path / "study")
+    assert result.status is Status.DONE
+    frame = result.to_dataframe()
+    assert frame["mean_flow_L_per_min"].is_monotonic_increasing
+    assert frame.attrs["units"]["mean_flow_L_per_min"] == "L/min"
+    assert result.plot.toy_flow().axes
+    assert "Flow over shaft speed." in study_report_html(result)
+    assert run_study(case, tmp_path / "study", resume=True).data.identical(result.data)
+
+
 def test_result_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """One line: the reference page names it and a file keeps it with its unit."""
     name = "toy_temperature"
@@ -140,6 +222,108 @@ def test_result_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     with xr.open_dataset(tmp_path / "toy.nc", engine="h5netcdf") as kept:
         assert kept[name].attrs["units"] == "K"
         assert kept[name].dims == ("shaft_angle", "chamber")
+
+
+FILTER = '''
+"""Filters: a drop that grows with the oil that has passed."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+from toothspace.circuit.network import law_columns
+from toothspace.circuit.restrictions import Restriction
+from toothspace.core.compiled import kernel
+from toothspace.core.keys import quantity
+
+
+class FilterCake(NamedTuple):
+    resistance: float
+    growth: float
+
+
+_RESISTANCE, _GROWTH = law_columns(FilterCake)
+
+
+@kernel
+def filter_flow(element, drop, time):
+    resistance = element[_RESISTANCE] * (1.0 + element[_GROWTH] * time)
+    return drop / resistance, 1.0 / resistance
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Filter(Restriction):
+    """``kind = "filter"``: clogs over time."""
+
+    resistance: float = quantity("bar s/L", "Drop per flow when clean.", above=0, high=1e4)
+    growth: float = quantity("1/s", "Growth of the drop.", low=0, high=1, default=0.0)
+
+    @property
+    def law(self):
+        return FilterCake(self.resistance, self.growth)
+'''
+FILTER_LINES = (
+    (
+        "from toothspace.circuit.lines",
+        "from toothspace.circuit.filters import Filter, FilterCake, filter_flow\n",
+    ),
+    ('    "hose": Hose,', '    "filter": Filter,\n'),
+    ("FluidColumn)\n", "FilterCake, "),
+    (" FLUID_COLUMN,\n", " FILTER_CAKE,"),
+    (
+        "    if kind == RESISTANCE:",
+        "    if kind == FILTER_CAKE:\n        return filter_flow(element, drop, time)\n",
+    ),
+)
+"""What stands before a line of the list of elements, and the line itself."""
+FILTER_USE = """
+import json, sys
+from toothspace.api import fluid_of
+from toothspace.case import Case
+from toothspace.case.json_schema import case_schema
+from toothspace.circuit.circuit import build_circuit
+from toothspace.circuit.elements import LAWS, element_flow
+from toothspace.circuit.history import Tables
+
+case = Case.from_dict(json.load(sys.stdin))
+circuit = build_circuit(case.circuit, (1e-4, 1e-4), fluid_of(case))
+tables, places = Tables(), {node.name: k for k, node in enumerate(circuit.all_nodes)}
+(row,) = circuit.rows(places, LAWS, tables)
+flows = [element_flow(row, tables.rows, 2e5, 850.0, time) for time in (0.0, 10.0)]
+print(json.dumps({"flows": flows, "schema": "filter" in json.dumps(case_schema())}))
+"""
+
+
+def test_circuit_element(tmp_path: Path) -> None:
+    """A family of its own with keys, law and kernel, and its lines in the list of elements."""
+    package = tmp_path / "toothspace"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    (package / "circuit" / "filters.py").write_text(FILTER, encoding="utf-8")
+    listed = package / "circuit" / "elements.py"
+    text = listed.read_text(encoding="utf-8")
+    for before, line in FILTER_LINES:
+        assert text.count(before) == 1
+        text = text.replace(before, line + before)
+    listed.write_text(text, encoding="utf-8")
+    tables = tank_circuit.pump_between_tanks("600 rpm", "0.1 s", high="outlet")
+    tables["circuit"]["connections"][0] = ["machine.outlet", "f"]
+    tables["circuit"]["connections"].append(["f", "high"])
+    tables["circuit"]["f"] = {"kind": "filter", "resistance": "20 bar s/L", "growth": "0.1 1/s"}
+    done = subprocess.run(
+        [sys.executable, "-c", FILTER_USE],
+        input=json.dumps(tables),
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["schema"]
+    flow, slope = found["flows"][0]
+    assert [flow, slope] == pytest.approx([1e-4, 5e-10])  # 2 bar over 20 bar s/L
+    assert found["flows"][1][0] == pytest.approx(5e-5)
 
 
 CLOSURE = "\n\n@inlined\ndef toy_friction(speed):\n    return speed\n"

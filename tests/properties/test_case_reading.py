@@ -56,7 +56,7 @@ def canonical(value: Any) -> str:
 def check(tables: dict[str, Any]) -> None:
     """Read tables; an error must be one line that says what was found and is allowed."""
     try:
-        case = Case.from_toml(document_text(tables), label="case")
+        case = Case.from_toml(document_text(tables), label="case").check()
         assert Case.from_dict(case.to_dict()) == case
     except ToothspaceError as error:
         for line in str(error).split("\n"):

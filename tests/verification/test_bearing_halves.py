@@ -8,10 +8,10 @@ import pytest
 from tests.external_gear_designs import floating_block, fuel14
 from tests.lateral_stack import HIGH, LOW, loads, pressures, ring_stack, split_stack
 from toothspace.core.errors import GeometryError
-from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
-from toothspace.films.lateral.housing_friction import HousingFriction
-from toothspace.films.lateral.motion import Loads, StepSettings, state_at
-from toothspace.films.lateral.stack import Stack
+from toothspace.floating.equilibrium import Equilibrium, SearchSettings, find_equilibrium
+from toothspace.floating.housing_friction import HousingFriction
+from toothspace.floating.motion import Loads, StepSettings, state_at
+from toothspace.floating.stack import Stack
 from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.describe import describe
 from toothspace.machines.external_gear.floating_parameters import (

@@ -14,12 +14,17 @@ from tests.toy_machine import toy_machine
 from toothspace import api
 from toothspace.core.types import Array
 from toothspace.films import FilmFluid
-from toothspace.films.lateral.conductance import FaceResolution, face_conductance
-from toothspace.films.lateral.face_film import film_law
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.motion import state_at
-from toothspace.films.lateral.resting_covers import resting_covers
-from toothspace.films.lateral.stack import Stack, StackState, WinklerFoundation
+from toothspace.films.plane.conductance import FaceResolution, face_conductance
+from toothspace.floating.between_covers import (
+    BodiesBetweenCovers,
+    bodies_between_covers,
+    cover_stack,
+    resting_covers,
+)
+from toothspace.floating.face_film import film_law
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.motion import state_at
+from toothspace.floating.stack import Stack, StackState, WinklerFoundation
 from toothspace.model.film_faces import (
     FILM,
     NO_BODY,
@@ -31,11 +36,6 @@ from toothspace.model.film_faces import (
     SharedFaces,
 )
 from toothspace.run.condition import condition_of, fluid_of
-from toothspace.simulation.lateral.between_covers import (
-    BodiesBetweenCovers,
-    bodies_between_covers,
-    cover_stack,
-)
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, RIM, GAP = 10e-3, 26e-3, 20e-6

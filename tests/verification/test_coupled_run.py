@@ -9,7 +9,7 @@ import pytest
 from toothspace import api
 from toothspace.case import load_case
 from toothspace.core.status import Status
-from toothspace.simulation.lateral.coupling import NEGLIGIBLE
+from toothspace.floating.coupling import NEGLIGIBLE
 
 CASES = Path(__file__).parents[2] / "cases"
 COARSE = [

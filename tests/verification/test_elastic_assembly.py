@@ -18,8 +18,10 @@ from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
-from toothspace.films.lateral.elastic_faces import ElasticFaces
-from toothspace.films.lateral.stack import BackPressure, Snapshot
+from toothspace.floating.body_loads import BodyLoads
+from toothspace.floating.elastic_faces import ElasticFaces
+from toothspace.floating.problem import lateral_problem
+from toothspace.floating.stack import BackPressure, Snapshot
 from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
@@ -44,10 +46,8 @@ from toothspace.machines.external_gear.floating_parameters import (
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.film_faces import FILM
-from toothspace.model.lateral_balance import BodyLoad, LateralBalance
+from toothspace.model.floating_bearing import BodyLoad, LateralBalance
 from toothspace.run.elastic import lateral_settings
-from toothspace.simulation.lateral.loads import BodyLoads
-from toothspace.simulation.lateral.problem import lateral_problem
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ import scipy.sparse as sp
 from tests.lateral_stack import HIGH, LOW, pressures, ring_stack
 from tests.reference_formulas.elastic_film import ElasticWalls, solve_elastic_film
 from toothspace.core.status import Status
-from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, solve_plane
+from toothspace.floating.face_film import FaceFilm
 from toothspace.numerics.linear_system import UNSATURATED
 
 GRIDS = ((36, 10), (72, 20))

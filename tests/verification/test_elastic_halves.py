@@ -35,11 +35,12 @@ from toothspace.elasticity import (
     annulus,
     influence_matrix,
 )
-from toothspace.films.lateral.deformation import Fineness
-from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
-from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
-from toothspace.films.lateral.motion import StepSettings, state_at
-from toothspace.films.lateral.stack import Stack
+from toothspace.floating.deformation import Fineness
+from toothspace.floating.elastic_faces import ElasticFaces, elastic_faces
+from toothspace.floating.equilibrium import Equilibrium, SearchSettings, find_equilibrium
+from toothspace.floating.motion import StepSettings, state_at
+from toothspace.floating.problem import LateralProblem, lateral_problem
+from toothspace.floating.stack import Stack
 from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import assemble
@@ -54,9 +55,8 @@ from toothspace.machines.external_gear.floating_parameters import (
     SpringParameters,
 )
 from toothspace.machines.external_gear.spec import FloatingBlock
-from toothspace.model.lateral_balance import LateralBalance
+from toothspace.model.floating_bearing import LateralBalance
 from toothspace.run.elastic import lateral_settings
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
 
 pytestmark = pytest.mark.slow
 

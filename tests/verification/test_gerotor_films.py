@@ -14,7 +14,7 @@ from toothspace import api
 from toothspace.closures.squeeze_film import squeeze_damping
 from toothspace.core.types import Array
 from toothspace.films.journal.rim_film import rim_paths, sector_family
-from toothspace.films.lateral.conductance import (
+from toothspace.films.plane.conductance import (
     FaceConductance,
     FaceResolution,
     face_conductance,

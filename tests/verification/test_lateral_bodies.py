@@ -24,24 +24,24 @@ from toothspace.elasticity import (
     influence_matrix,
     storage,
 )
-from toothspace.films.lateral.deformation import Fineness, film_coefficients, fitted, response
-from toothspace.films.lateral.elastic_faces import (
+from toothspace.floating.body_loads import face_deflection
+from toothspace.floating.deformation import Fineness, film_coefficients, fitted, response
+from toothspace.floating.elastic_faces import (
     ElasticFaces,
     elastic_faces,
 )
-from toothspace.films.lateral.equilibrium import (
+from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
-from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import Balance, StepSettings, state_at
-from toothspace.films.lateral.stack import PreviousStep, Snapshot, Stack, StackState
+from toothspace.floating.local_deformation import Accuracy
+from toothspace.floating.motion import Balance, StepSettings, state_at
+from toothspace.floating.problem import LateralProblem, lateral_problem, numbers_of
+from toothspace.floating.stack import PreviousStep, Snapshot, Stack, StackState
 from toothspace.numerics.acceleration import Mixing
 from toothspace.run.elastic import lateral_settings
-from toothspace.simulation.lateral.loads import face_deflection
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
 
 pytestmark = pytest.mark.slow
 

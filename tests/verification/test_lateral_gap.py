@@ -22,21 +22,21 @@ from tests.lateral_stack import (
 )
 from toothspace.core.types import Array
 from toothspace.films import FilmFluid, LateralFilm
-from toothspace.films.lateral.equilibrium import (
+from toothspace.floating.coupled_run import seat_warning
+from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.housing_friction import HousingFriction, normal_force
-from toothspace.films.lateral.motion import StepSettings, balance_force, state_at
-from toothspace.films.lateral.stack import BackPressure, PreviousStep, Stack, StackState
-from toothspace.films.lateral.stops import leaning, stop_forces
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.housing_friction import HousingFriction, normal_force
+from toothspace.floating.motion import StepSettings, balance_force, state_at
+from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
+from toothspace.floating.stack import BackPressure, PreviousStep, Stack, StackState
+from toothspace.floating.stops import leaning, stop_forces
 from toothspace.model.film_faces import FILM, NO_BODY, FaceCells
-from toothspace.model.lateral_balance import AxialForce, HousingContact
-from toothspace.simulation.lateral.coupled_run import seat_warning
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
+from toothspace.model.floating_bearing import AxialForce, HousingContact
 
 APPROACH = 3e-13
 SHARE = 0.72

@@ -19,10 +19,10 @@ from tests.lateral_stack import (
     pressures,
     ring_stack,
 )
-from toothspace.films.lateral.equilibrium import march_angles
-from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.motion import StepSettings, state_at
-from toothspace.films.lateral.stack import BackPressure, Stack
+from toothspace.floating.equilibrium import march_angles
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.motion import StepSettings, state_at
+from toothspace.floating.stack import BackPressure, Stack
 from toothspace.model.film_faces import FILM, FaceCells
 from toothspace.numerics.complementarity import face_flows
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import OUTER, loads, pressures, ring_stack
-from toothspace.films.lateral.equilibrium import (
+from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     snapshots_over_pitch,
 )
-from toothspace.films.lateral.motion import StepSettings, state_at
-from toothspace.films.lateral.stack import Stack
-from toothspace.films.lateral.stops import leaning, rim_levers, stop_forces
+from toothspace.floating.motion import StepSettings, state_at
+from toothspace.floating.stack import Stack
+from toothspace.floating.stops import leaning, rim_levers, stop_forces
 
 HIGH = 50e5
 PLAY = 100e-6

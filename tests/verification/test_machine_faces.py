@@ -10,7 +10,7 @@ import pytest
 
 from toothspace import api
 from toothspace.api import solve_film
-from toothspace.films.lateral.conductance import FaceResolution, face_conductance
+from toothspace.films.plane.conductance import FaceResolution, face_conductance
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 

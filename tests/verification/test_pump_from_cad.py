@@ -88,11 +88,11 @@ def test_whole_run_is_that_of_the_figures(drawn: Case, described: Case) -> None:
 
 def test_direction_of_the_outlet_is_asked_for(drawn: Case) -> None:
     with pytest.raises(CaseError, match="outlet_toward: found nothing"):
-        drawn.replace({"machine.outlet_toward": None})
+        drawn.replace({"machine.outlet_toward": None}).check()
     with pytest.raises(CaseError, match="found a direction along the centre line or the axis"):
-        drawn.replace({"machine.outlet_toward": "+y"})
+        drawn.replace({"machine.outlet_toward": "+y"}).check()
 
 
 def test_one_gear_twice_is_not_a_pair(drawn: Case) -> None:
     with pytest.raises(CaseError, match=r"driven_gear\.profile_part: found body"):
-        drawn.replace({"machine.driven_gear": None})
+        drawn.replace({"machine.driven_gear": None}).check()

@@ -15,7 +15,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.map import solved_journal
-from toothspace.films.lateral.conductance import (
+from toothspace.films.plane.conductance import (
     FaceConductance,
     FaceResolution,
     face_conductance,

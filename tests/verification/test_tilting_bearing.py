@@ -10,10 +10,10 @@ import pytest
 
 from toothspace.api import prepare
 from toothspace.case import load_case
-from toothspace.films.lateral.equilibrium import Equilibrium
-from toothspace.films.lateral.stops import leaning, rim_levers
+from toothspace.floating.equilibrium import Equilibrium
+from toothspace.floating.problem import LateralProblem, lateral_problem
+from toothspace.floating.stops import leaning, rim_levers
 from toothspace.run.elastic import lateral_settings
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
 
 CASE = Path(__file__).parents[2] / "cases" / "hysteresis_055.toml"
 WALL = 1e6

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from toothspace.advice.limits import CAVITATION, JudgedLimit, limits_of
 from toothspace.core.design_check import DesignCheck
 from toothspace.core.finding import Finding
-from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
 
@@ -68,14 +67,6 @@ def rule_finding(check: DesignCheck) -> Finding:
         allowed=check.allowed,
         advice=check.reason,
     )
-
-
-def status_line(status: Status, findings: Sequence[Finding]) -> str:
-    """How a run ended and how much there is to know of it, as ``done, 3 findings``."""
-    count = len(findings)
-    told = "no findings" if count == 0 else "1 finding" if count == 1 else f"{count} findings"
-    line = f"{status.name.lower()}, {told}"
-    return line if status.succeeded else f"{line}: {status.value}"
 
 
 def _cavitation(solution: Solution, limits: Sequence[Finding]) -> list[Finding]:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.model.description import MachineDescription
+from toothspace.results.ripple import extremes
 from toothspace.results.solution import Solution
 
 _BAR, _MPA = 1e5, 1e6
@@ -76,7 +77,7 @@ def _judged(
 def _pressures(solution: Solution) -> Iterator[JudgedLimit]:
     data = solution.data
     high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
-    peak = float(data["chamber_pressure"].max())
+    peak = float(extremes(data, "chamber_pressure")[1].max())
     source = "a working pressure and a half, usual peak in pressure limits of makers"
     yield _judged(
         "Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source, _ENCLOSED
@@ -132,7 +133,8 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[J
     speeds = {body.name: abs(body.speed_ratio) for body in description.bodies}
     for journal in (j for j in description.journals if j.body in names):
         where = journal.body.replace("_", " ")
-        height = float(data["journal_film_height"].sel(journal=journal.body).min())
+        lowest = extremes(data, "journal_film_height")[0]
+        height = float(lowest[names.index(journal.body)])
         ratio = height / journal.roughness
         full = ratio >= _FULL_FILM
         yield JudgedLimit(

@@ -109,12 +109,8 @@ class _Handler(BaseHTTPRequestHandler):
             pass  # the page was closed
 
     def _result(self, ending: str) -> None:
-        solution = self.server.session.solution
-        if solution is None:
-            raise CaseError("result: found none, allowed after a run")
         with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / f"result{ending}"
-            written = solution.report(file) if ending == ".html" else solution.save(file)
+            written = self.server.session.written(ending, Path(folder))
             self._send(200, written.read_bytes(), _TYPES[ending])
 
     def _json(self, value: Any, code: int = 200) -> None:

@@ -8,13 +8,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.api import simulate
 from toothspace.case import Case, load_case
 from toothspace.case.document import text_values
-from toothspace.case.shipped import shipped_case, shipped_cases
+from toothspace.case.shipped import cases, shipped_case
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import UNKNOWN, reporting_to
-from toothspace.interactive import Solution, simulate
 from toothspace.library import shipped_folder
+from toothspace.report.study import write_study_report
+from toothspace.results.solution import Solution
+from toothspace.studies import StudyResult, run_study
 
 _LONGEST_PATH = 1000
 
@@ -35,12 +38,12 @@ class Session:
         self._stopped = threading.Event()
         self._share, self._text = UNKNOWN, ""
         self._problem = ""
-        self.solution: Solution | None = None
+        self.solution: Solution | StudyResult | None = None
 
     def cases(self) -> dict[str, str]:
         """Titles by name: the files of the folder by their file name, then the shipped cases."""
         own = {path.name: f"file in {self.folder.name}" for path in self.folder.glob("*.toml")}
-        return {**dict(sorted(own.items())), **shipped_cases()}
+        return {**dict(sorted(own.items())), **cases()}
 
     def tables(self, name: str) -> dict[str, Any]:
         """Keys of a case that is listed, as tables with texts for quantities.
@@ -70,7 +73,7 @@ class Session:
             place = (self.folder / text).resolve()
             if place.exists() and not any(place.is_relative_to(home) for home in homes):
                 raise CaseError(f"case: {key}: found {text!r}, allowed a file in {self.folder}")
-        return Case.from_dict(tables, self.folder)
+        return Case.from_dict(tables, self.folder).check()
 
     def start(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Run a case; returns the state.
@@ -106,10 +109,26 @@ class Session:
             "result": None if self.solution is None or running else self.solution._repr_html_(),
         }
 
+    def written(self, ending: str, folder: Path) -> Path:
+        """Write the result as a page (``.html``) or as data (``.nc``) into a folder; its file.
+
+        Raises
+        ------
+        CaseError
+            If there is none.
+        """
+        found, file = self.solution, folder / f"result{ending}"
+        if found is None:
+            raise CaseError("result: found none, allowed after a run")
+        if isinstance(found, Solution):
+            return found.report(file) if ending == ".html" else found.save(file)
+        return write_study_report(found, file) if ending == ".html" else found.save(folder)[0]
+
     def _run(self, case: Case) -> None:
         try:
             with reporting_to(self._report):
-                self.solution = simulate(case, progress=self._report)
+                started = simulate if case.study is None else run_study
+                self.solution = started(case, progress=self._report)
         except ToothspaceError as error:
             self._problem = str(error)
         except KeyboardInterrupt:

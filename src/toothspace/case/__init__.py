@@ -10,7 +10,6 @@ rules           what several keys must fulfil together
 shipped         cases that come with the package
 json_schema     JSON Schema of all keys
 conditions      fluid, operating point, numerical settings of the run
-study           named studies
 stand_alone     journal bearing and film without a machine
 =============== ==========================================================
 """

@@ -8,21 +8,20 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 from toothspace.case.document import (
     Document,
     document_text,
-    located,
     parse_document,
     read_document,
     require_ordinary,
 )
-from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.fingerprint import cached_by_hash
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
-from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, CaseTables
+from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
 from toothspace.core.errors import CaseError
 from toothspace.core.files import named_beside, path_of
 from toothspace.core.keys import (
@@ -48,7 +47,8 @@ class Case(CaseTables):
     """Input of one reproducible run.
 
     The keys are what is solved; every construction, :func:`dataclasses.replace` included, checks
-    them. Exactly one of ``operating_point``, ``circuit``, ``bearing`` and ``film`` is not None.
+    them. Geometry is built and files are read when somebody asks; :meth:`check` asks. Exactly one
+    of ``operating_point``, ``circuit``, ``bearing`` and ``film`` is not None.
     Cases are equal if their keys are.
 
     Parameters
@@ -68,7 +68,7 @@ class Case(CaseTables):
     film : FilmCase or None
         Stand-alone pad or lateral film.
     study : object or None
-        One of the classes in :mod:`toothspace.case.study`.
+        Keys of one of the modules in :mod:`toothspace.studies`.
     heat : HeatSettings
         Temperatures of oil, bodies and films.
     run : RunSettings
@@ -87,6 +87,9 @@ class Case(CaseTables):
     source: Path | None = field(default=None, compare=False)
     overrides: tuple[str, ...] = field(default=(), compare=False)
 
+    _read_from: ClassVar[Document] = Document("", {})
+    """Places of the keys in the file that the case was read from."""
+
     def __post_init__(self) -> None:
         stand_alone = [n for n in ("bearing", "film") if getattr(self, n) is not None]
         if stand_alone and not self.title:
@@ -94,8 +97,6 @@ class Case(CaseTables):
         broken = tuple(broken_rules(self))
         if broken:
             raise KeyRuleError.of(broken)
-        # built and hashed now, so that files which change later cannot change the case
-        _ = self.machine_spec, self.hash
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], folder: str | Path = ".") -> Case:
@@ -218,10 +219,32 @@ class Case(CaseTables):
     def _written(self, file_text: FileText) -> dict[str, Any]:
         return {"schema": self.schema, **Table(spec=Case).written(self, file_text)}
 
+    def check(self) -> Case:
+        """Build the parts of the machine, so that an impossible one is refused now.
+
+        Returns
+        -------
+        Case
+            The case itself.
+
+        Raises
+        ------
+        CaseError
+            If a file, a material or the geometry of a part is impossible.
+        """
+        _ = self.machine_spec
+        return self
+
     @cached_property
     def hash(self) -> str:
         """SHA-256 over all keys, with the content of files in place of their names."""
-        written = self._written(lambda file: hashlib.sha256(file.read_bytes()).hexdigest())
+        return self._hashed()
+
+    def _hashed(self) -> str:
+        try:
+            written = self._written(lambda file: hashlib.sha256(file.read_bytes()).hexdigest())
+        except OSError as error:
+            raise self._unreadable(error) from error
         return hashlib.sha256(document_text(written).encode()).hexdigest()
 
     @property
@@ -229,16 +252,41 @@ class Case(CaseTables):
         """Name of the machine type, empty without a machine."""
         return MACHINE_KEY.name_of(self.machine)
 
+    @property
+    def study_kind(self) -> str:
+        """Name of the study, empty without one."""
+        return STUDY_KEY.name_of(self.study)
+
     @cached_property
     def machine_spec(self) -> Any:
         """What the machine type is built from: profiles, contours and materials, loaded.
 
         None without a machine. Computed from ``machine`` once for the same content.
+
+        Raises
+        ------
+        CaseError
+            If a part is impossible, or a file has changed since the case was hashed.
         """
         if self.machine is None:
             return None
-        make = partial(_assembled, self.machine)
-        return kept_by_content(_machines, _KEPT_MACHINES, make, self.machine)
+        make, was_hashed = partial(_assembled, self.machine), "hash" in vars(self)
+        try:
+            spec = cached_by_hash(_machines, _KEPT_MACHINES, make, self.machine)
+        except CaseError as error:
+            raise self._read_from.refusal(error) from error
+        except OSError as error:
+            raise self._unreadable(error) from error
+        # files that change from now on change neither the machine nor the hash
+        if was_hashed and self._hashed() != self.hash:
+            found = "files that have changed since the case was hashed"
+            raise CaseError(f"{self.label}: machine: found {found}, allowed a case read anew")
+        _ = self.hash
+        return spec
+
+    def _unreadable(self, error: OSError) -> CaseError:
+        found = f"{error.filename}, {error.strerror}"
+        return CaseError(f"{self.label}: files: found {found}, allowed files that can be read")
 
     @property
     def name(self) -> str:
@@ -272,14 +320,14 @@ def _assembled(machine: Any) -> Any:
         raise type(error)(f"machine.{error}") from error
 
 
-def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
+def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
     """Read and check a case.
 
     Parameters
     ----------
-    source : str, Path or mapping
+    source : str, Path, mapping or Case
         TOML file, name of a shipped case such as ``egm12_pump``, or tables as for
-        :meth:`Case.from_dict`.
+        :meth:`Case.from_dict`; a case is returned as it is.
     overrides : iterable of str
         ``key.path=value``, laid over the file before its values are read.
 
@@ -296,6 +344,8 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
     if not isinstance(overrides, Iterable):
         raise CaseError(f"--set: found {overrides!r}, allowed a list of key.path=value")
     given = (overrides,) if isinstance(overrides, str) else tuple(overrides)
+    if isinstance(source, Case) and not given:
+        return source
     if isinstance(source, Mapping):
         document, path = Document("case", dict(source)), None
     else:
@@ -344,9 +394,8 @@ def _made(
     read = problems.of("", Table(spec=Case).values, tables, Source(folder))
     try:
         problems.settle()
-        return Case(**read, source=source, overrides=overrides)
-    except KeyRuleError as error:
-        raise document.refuse(error.problems) from error
+        case = Case(**read, source=source, overrides=overrides)
     except CaseError as error:
-        place = document.place(str(error).partition(": ")[0])
-        raise type(error)(located(*place, str(error))) from error
+        raise document.refusal(error) from error
+    object.__setattr__(case, "_read_from", Document(document.label, {}, document.places))
+    return case

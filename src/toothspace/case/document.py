@@ -72,6 +72,13 @@ class Document:
         placed.sort(key=lambda one: (one[0][0] != self.label, one[0]))
         return CaseError("\n".join(located(*place, str(problem)) for place, problem in placed))
 
+    def refusal(self, error: CaseError) -> CaseError:
+        """Return an error of keys with the file and place of each of them."""
+        if isinstance(error, KeyRuleError):
+            return self.refuse(error.problems) if self.label else error
+        place = self.place(str(error).partition(": ")[0])
+        return type(error)(located(*place, str(error))) if self.label else error
+
 
 def located(label: str, line: int, text: str) -> str:
     """Return a message with the name of its file in front and its line at the end."""

@@ -10,7 +10,6 @@ from toothspace.case.conditions import HeatSettings
 from toothspace.case.overrides import CONDITIONS
 from toothspace.case.presets import ELASTIC, PRESETS, Preset
 from toothspace.case.stand_alone import LateralFilmCase
-from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
 from toothspace.case.tables import CaseTables
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import Problem
@@ -132,13 +131,8 @@ def _pressure_order(case: CaseTables) -> Iterator[Problem]:
     point, study, mode = case.operating_point, case.study, getattr(case.machine, "mode", "")
     assert point is not None
     given = [("operating_point.outlet_pressure", point.inlet_pressure, point.outlet_pressure)]
-    if isinstance(study, HysteresisStudy | BalanceSweepStudy):
-        for k, pressure in enumerate(study.outlet_pressures):
-            given.append((f"study.outlet_pressures[{k}]", point.inlet_pressure, pressure))
-    if isinstance(study, NosePressureStudy):
-        for k, one in enumerate(study.conditions):
-            own = one.inlet_pressure or point.inlet_pressure
-            given.append((f"study.conditions[{k}].outlet_pressure", own, one.outlet_pressure))
+    if hasattr(study, "port_pressures"):
+        given += study.port_pressures(point.inlet_pressure)
     for path, inlet, outlet in given:
         if mode == "pump" and outlet < inlet:
             allowed = f"at least the inlet pressure of the pump, {_bar(inlet)}"

@@ -13,7 +13,7 @@ from toothspace.core.keys import suggestion
 from toothspace.library import shipped_folder
 
 
-def shipped_cases() -> dict[str, str]:
+def cases() -> dict[str, str]:
     """Return the titles of all shipped cases by name."""
     found = {}
     for path in sorted(shipped_folder("cases").glob("*.toml")):

@@ -2,47 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any, final
+from typing import Any
 
 from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
-from toothspace.case.study import STUDIES
 from toothspace.circuit.circuit import Circuit
 from toothspace.core.keys import KeyTable, Variant, declare, integer, table, text
-from toothspace.core.registry import machine_modules
+from toothspace.core.registry import MACHINE_KEYS, STUDY_KEYS
 
 SCHEMA_VERSION = 1
 
 
-@final
-class _MachineTypes(Mapping[str, type]):
-    """Class of the keys ``[machine]`` of every installed machine type, imported when asked for."""
-
-    def __getitem__(self, name: str) -> type:
-        return import_module(f"{machine_modules()[name]}.parameters").PARAMETERS
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(machine_modules())
-
-    def __len__(self) -> int:
-        return len(machine_modules())
-
-    def name_of(self, spec: type) -> str:
-        """Return the machine type whose keys a class holds, empty for other classes."""
-        package = spec.__module__.removesuffix(".parameters")
-        named = (name for name, module in machine_modules().items() if module == package)
-        return next((name for name in named if self[name] is spec), "")
-
-
-MACHINE_TABLES = _MachineTypes()
 MACHINE_KEY = Variant(
     tag="type",
-    variants=MACHINE_TABLES,
-    name_of_table=MACHINE_TABLES.name_of,
+    variants=MACHINE_KEYS,
+    name_of_table=MACHINE_KEYS.name_of,
     doc="The machine; keys by its type.",
+)
+STUDY_KEY = Variant(
+    tag="kind",
+    variants=STUDY_KEYS,
+    name_of_table=STUDY_KEYS.name_of,
+    doc="Study that drives the condition.",
 )
 
 
@@ -71,9 +53,7 @@ class CaseTables(KeyTable):
     film: FilmKeys | None = declare(
         Variant(tag="kind", variants=FILMS, doc="Stand-alone film."), None
     )
-    study: Any = declare(
-        Variant(tag="kind", variants=STUDIES, doc="Study that drives the condition."), None
-    )
+    study: Any = declare(STUDY_KEY, None)
     heat: HeatSettings = table(
         HeatSettings,
         "Temperatures of oil, bodies and films at an operating point.",

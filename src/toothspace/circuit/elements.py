@@ -46,7 +46,9 @@ ELEMENTS: Mapping[str, type] = {
 
 LAWS = (PressureValve, ProportionalOpening, Resistance, SupplyPump, MappedPump, FluidColumn)
 """Laws in the order of their kinds; the flow of the last is a state."""
-PRESSURE_VALVE, PROPORTIONAL_OPENING, RESISTANCE, SUPPLY_PUMP, MAPPED_PUMP = range(5)
+(
+    PRESSURE_VALVE, PROPORTIONAL_OPENING, RESISTANCE, SUPPLY_PUMP, MAPPED_PUMP, FLUID_COLUMN,
+) = range(len(LAWS))  # fmt: skip
 
 
 @kernel

@@ -32,20 +32,16 @@ def init(
 
 def cases(as_json: Json = False) -> None:
     """List the shipped cases, which every command knows by name."""
-    from toothspace.case.shipped import shipped_cases
+    from toothspace.case import shipped
 
-    output.write(shipped_cases(), as_json=as_json)
+    output.write(shipped.cases(), as_json=as_json)
 
 
 def fluids(as_json: Json = False) -> None:
     """List the fluids of the library."""
-    from toothspace.library import library_names, load_fluid
+    from toothspace import library
 
-    found = {}
-    for name in library_names("fluids"):
-        low, high = load_fluid(name)["temperature_range_degC"]
-        found[name] = f"{load_fluid(name)['title']}, {low:g} to {high:g} degC"
-    output.write(found, as_json=as_json)
+    output.write(library.fluids(), as_json=as_json)
 
 
 def warmup(as_json: Json = False) -> None:

@@ -192,6 +192,6 @@ def _draft(files: Sequence[Path], unit: str, request: SectionRequest, target: Pa
     write_text(target, api.draft_case(files, unit, request, target.parent))
     output.message(f"Case: {target}")
     try:
-        api.load_case(target)
+        api.load_case(target).check()
     except CaseError as error:
         output.message(f"Note: it does not run as it is: {error}")

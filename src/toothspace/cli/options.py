@@ -31,10 +31,10 @@ _EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: INTERRUPTED}
 
 
 def load(case_file: Path, overrides: Sequence[str] | None) -> Case:
-    """Read a case with the values of ``--set`` laid over it."""
+    """Read a case with the values of ``--set`` laid over it, and refuse an impossible machine."""
     from toothspace.case import load_case
 
-    return load_case(case_file, overrides or ())
+    return load_case(case_file, overrides or ()).check()
 
 
 def exit_code(case_file: Path, status: Status) -> int:

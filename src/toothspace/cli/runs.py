@@ -74,21 +74,19 @@ def run(
     if case.study is not None and without_study:
         case = case.replace({"study": None})
     elif case.study is not None:
-        from toothspace.case.study import study_kind
-
         allowed = f"with 'toothspace study {case_file}', or --without-study for one run of the case"
-        raise CaseError(f"{case_file}: study: found {study_kind(case.study)!r}, allowed {allowed}")
+        raise CaseError(f"{case_file}: study: found {case.study_kind!r}, allowed {allowed}")
     target = require_writable(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
-    from toothspace import interactive
-    from toothspace.advice.findings import status_line
+    from toothspace import api
+    from toothspace.core.finding import status_line
     from toothspace.run.interfaces import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:
         with named(case_file), output.progress(case.title) as progress:
-            solution = interactive.simulate(case, progress=progress)
+            solution = api.simulate(case, progress=progress)
     except KeyboardInterrupt:
         output.message(f"{case_file}: interrupted before there was a result")
         return INTERRUPTED
@@ -149,9 +147,8 @@ def study(
 ) -> int:
     """Run the study of a case: many runs with one question."""
     case = load(case_file, overrides)
-    from toothspace.studies.registry import kind_of, run_study
+    from toothspace.studies.registry import run_study
 
-    kind = kind_of(case)
     folder = folder or Path(f"{case_file.stem}_study")
     if folder.exists() and not folder.is_dir():
         raise CaseError(f"{folder}: -o: found a file, allowed a folder")
@@ -159,7 +156,7 @@ def study(
         raise CaseError(
             f"{folder}: -o: found results of a study, allowed another folder, --resume or --force"
         )
-    with named(case_file), output.progress(f"{kind}:") as progress:
+    with named(case_file), output.progress(f"{case.study_kind}:") as progress:
         result = run_study(
             case, folder, progress=progress, workers=workers, scheduler=scheduler, resume=resume
         )
@@ -285,10 +282,10 @@ def fmu(
     """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
     target = require_writable(unit, "-o", replace=force, endings=(".fmu",))
     case = load(case_file, overrides)
-    from toothspace.fmi.export import export_fmu
+    from toothspace.fmi.export import write_fmu
 
     with named(case_file), output.progress(case.title) as progress:
-        result = export_fmu(
+        result = write_fmu(
             case,
             target,
             pressures=_positive("--pressure", pressure, "bar"),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Literal, final
+
+from toothspace.core.status import Status
 
 
 @final
@@ -41,3 +44,11 @@ class Finding:
     def to_dict(self) -> dict[str, str]:
         """All fields by name, as they stand in JSON."""
         return asdict(self)
+
+
+def status_line(status: Status, findings: Sequence[Finding]) -> str:
+    """How a run ended and how much there is to know of it, as ``done, 3 findings``."""
+    count = len(findings)
+    told = "no findings" if count == 0 else "1 finding" if count == 1 else f"{count} findings"
+    line = f"{status.name.lower()}, {told}"
+    return line if status.succeeded else f"{line}: {status.value}"

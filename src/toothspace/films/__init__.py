@@ -5,8 +5,7 @@ module           responsibility
 ================ ==================================================================
 :mod:`.reynolds` average-flow Reynolds equation on structured grids, cavitation, roughness
 :mod:`.journal`  film between a shaft and its bush: loads, equilibrium, coefficients, orbits
-:mod:`.plane`    films between nearly parallel faces: pads and rings
-:mod:`.lateral`  films on the faces of gears and rotors, with floating bearings in balance
+:mod:`.plane`    films between nearly parallel faces: pads, rings, faces of gears and rotors
 thermal          bulk heat balance of a film
 field_files      NetCDF and VTK files of the fields
 summaries        solved films to named numbers, and how far these depend on the grid

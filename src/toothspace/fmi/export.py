@@ -13,17 +13,16 @@ import numpy as np
 
 from toothspace import api
 from toothspace.advice.findings import rule_finding
-from toothspace.case import Case
-from toothspace.case.study import EfficiencyMapStudy
+from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
-from toothspace.core.files import write_bytes
+from toothspace.core.files import path_of, write_bytes
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
-from toothspace.core.units import from_si
+from toothspace.core.units import Quantity, as_text, from_si, parse_quantity
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
 from toothspace.fmi.tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
-from toothspace.studies.efficiency_map import map_records
+from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
 from toothspace.studies.points import status_of
 from toothspace.studies.records import Record, Records, failed_count
 from toothspace.studies.study import StudyContext, StudyResult
@@ -42,6 +41,59 @@ DRIVES = ("speed", "torque")
 
 
 def export_fmu(
+    case: api.AnyCase,
+    path: str | Path,
+    *,
+    pressure_difference: Sequence[Quantity | str] = (),
+    shaft_speed: Sequence[Quantity | str] = (),
+    drive: str = "speed",
+    binary: bool = True,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Tabulate a machine by steady runs and write it as a unit for FMI 2.0 co-simulation.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case with an operating point; its ports are held at constant pressure.
+    path : str or Path
+        File to write. Finished runs are kept beside it until it is written, and taken again.
+    pressure_difference, shaft_speed : sequence of Quantity or str, optional
+        At least two values each, such as ``"50 bar"`` and ``"500 rpm"``; left out, those of an
+        efficiency map of the case, or 10, 40, 70 and 100 % of its operating point.
+    drive : str
+        ``speed``: the shaft speed is an input; ``torque``: it follows from load torque and inertia.
+    binary : bool
+        Whether the C compiler of this computer, if there is one, adds a binary to the sources.
+    workers : int
+        Processes that share the runs.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    StudyResult
+        The tables in ``data``; the unit is written only if its status is ``DONE``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point, an argument is not allowed, or the compiler fails.
+    """
+    return write_fmu(
+        load_case(case),
+        path_of(path, "path", "a file to write"),
+        pressures=[parse_quantity(str(as_text(value)), "bar") for value in pressure_difference],
+        speeds=[parse_quantity(str(as_text(value)), "rpm") for value in shaft_speed],
+        drive=drive,
+        binary=binary,
+        workers=api.process_count(workers),
+        progress=progress,
+    )
+
+
+def write_fmu(
     case: Case,
     target: Path,
     *,
@@ -54,7 +106,7 @@ def export_fmu(
 ) -> StudyResult:
     """Tabulate a machine by steady runs and write it as a unit for FMI 2.0 co-simulation.
 
-    As :func:`toothspace.interactive.export_fmu` with a case, and with pressure differences [Pa] and
+    As :func:`export_fmu` with a case, and with pressure differences [Pa] and
     shaft speeds [rad/s] as numbers; ``drive`` is one of :data:`DRIVES`.
     """
     started = time.perf_counter()

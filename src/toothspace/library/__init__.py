@@ -69,3 +69,12 @@ def load_fluid(name: str) -> dict[str, Any]:
 def load_material(name: str, key: str = "material") -> dict[str, Any]:
     """Return the table of a material, or raise :class:`CaseError` with the allowed names."""
     return library_entry("materials", name, key)
+
+
+def fluids() -> dict[str, str]:
+    """Return titles and temperature ranges of the fluids of the library by name."""
+    found = {}
+    for name in library_names("fluids"):
+        low, high = load_fluid(name)["temperature_range_degC"]
+        found[name] = f"{load_fluid(name)['title']}, {low:g} to {high:g} degC"
+    return found

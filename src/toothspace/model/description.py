@@ -24,7 +24,7 @@ from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.film_faces import FacePlaces, FilmFace, SharedFaces
-from toothspace.model.lateral_balance import LateralBalance
+from toothspace.model.floating_bearing import LateralBalance
 from toothspace.model.lateral_table import LateralTable
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.machine_parts import PATH_CHANNELS, ChamberFamily, FlowPath, Motion, PathKind

@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.film_faces import FILM
-from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.model.floating_bearing import FilmInterface, LateralBalance
 from toothspace.model.lateral_table import LATERAL_NOW, LateralLookup, no_lookup
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.plotting.lateral_figures import StudyFigure
+from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import (
     BLUE,
     CYCLE,

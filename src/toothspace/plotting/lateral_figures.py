@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
+from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, new_figure, styled
 
 if TYPE_CHECKING:
@@ -18,16 +18,6 @@ if TYPE_CHECKING:
 
 _MARKS = ("-o", "--s", "-.^", ":v", "-D", "--x")
 """Lines that lie on one another stay distinguishable."""
-
-
-@final
-@dataclass(frozen=True)
-class StudyFigure:
-    """A figure of a study with its caption."""
-
-    name: str
-    caption: str
-    figure: Figure
 
 
 def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:

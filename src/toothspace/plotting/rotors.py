@@ -19,7 +19,7 @@ from toothspace.plotting.style import (
     styled,
 )
 from toothspace.plotting.windows import one_chamber
-from toothspace.results.ripple import high_pass, whole_revolutions
+from toothspace.results.ripple import high_pass, wave, whole_revolutions
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
 
@@ -106,8 +106,7 @@ def contact_span(solution: Solution, description: MachineDescription) -> Figure:
 @styled
 def torque_ripple(solution: Solution, description: MachineDescription) -> Figure:
     """Shaft torque over a turn, as it is and high-pass filtered like a measurement."""
-    data = solution.data
-    angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
+    angle, torque = wave(solution.data, "shaft_torque")
     lowest = 0.5 * (description.families[0].count - 1)
     uniform, filtered = high_pass(angle, torque, lowest)
     _, raw, revolutions = whole_revolutions(angle, torque)

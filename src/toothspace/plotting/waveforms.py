@@ -26,6 +26,7 @@ from toothspace.results.ripple import (
     pulsating_side,
     resolved_spectrum,
     ripple_percent,
+    wave,
     whole_revolutions,
     working_side,
 )
@@ -101,7 +102,10 @@ def ripple_and_spectrum(
         (f"{port}_pressure", f"{readable(port)} pressure (bar)", 1.0 / _BAR, ORANGE),
         ("shaft_torque", "Shaft torque (N m)", 1.0, GREEN),
     )
-    signals = [(factor * np.asarray(data[name]), label, c) for name, label, factor, c in rows]
+    signals = []
+    for name, label, factor, color in rows:
+        angle, values = wave(data, name)
+        signals.append((angle, factor * values, label, color))
     return _waves_and_spectra(solution, description, "Ripple over one turn", signals)
 
 
@@ -111,10 +115,10 @@ def bearing_force_spectra(
 ) -> Figure:
     """Force of the journal bearings on every body that they carry over one turn, its spectrum."""
     data = solution.data
-    signals = []
+    signals, angle = [], np.asarray(data["shaft_angle"])
     for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False):
         force = np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1)
-        signals.append((force / 1e3, f"{readable(str(body))} (kN)", color))
+        signals.append((angle, force / 1e3, f"{readable(str(body))} (kN)", color))
     return _waves_and_spectra(solution, description, "Bearing forces over one turn", signals)
 
 
@@ -122,15 +126,14 @@ def _waves_and_spectra(
     solution: Solution,
     description: MachineDescription | None,
     title: str,
-    signals: Sequence[tuple[Array, str, str]],
+    signals: Sequence[tuple[Array, Array, str, str]],
 ) -> Figure:
-    """One row for each signal, with its label and colour."""
+    """One row for each signal over its angle, with its label and colour."""
     teeth = description.families[0].count if description is not None else None
     figure = new_figure(7.6, 1.0 + 1.9 * len(signals))
     figure.suptitle(title)
     grid = figure.subplots(len(signals), 2, width_ratios=(3, 2), squeeze=False)
-    angle = np.asarray(solution.data["shaft_angle"])
-    for (left, right), (signal, label, color) in zip(grid, signals, strict=True):
+    for (left, right), (angle, signal, label, color) in zip(grid, signals, strict=True):
         _waveform(left, angle, signal, label, color)
         _order_bars(right, angle, signal, color, teeth)
         right.set_ylabel(f"Amplitude {label[label.index('(') :]}")

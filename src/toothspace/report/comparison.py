@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, final
 from toothspace.core.files import write_text
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
-from toothspace.report.machine import case_of, findings_of_result
 from toothspace.report.page import render
 from toothspace.report.wording import format_value, quantity
+from toothspace.results.io import load_solution
 from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 
@@ -33,6 +33,18 @@ _WITHOUT_SHARE = ("_degC", "_deg", "_error")
 
 _MANIFOLD = 10.0
 """Share from which a factor is easier to read. [-]"""
+
+
+def compare(first: Solution | str | Path, second: Solution | str | Path) -> Comparison:
+    """Put two results side by side.
+
+    Parameters
+    ----------
+    first, second : Solution, str or Path
+        Results, or their files.
+    """
+    both = (one if isinstance(one, Solution) else load_solution(one) for one in (first, second))
+    return Comparison(*both)
 
 
 @final
@@ -65,7 +77,7 @@ class Comparison:
 
     @cached_property
     def _keys(self) -> dict[str, tuple[Any, Any]]:
-        one, two = (_leaves(case_of(s).to_dict()) for s in (self.first, self.second))
+        one, two = (_leaves(s.case.to_dict()) for s in (self.first, self.second))
         both = {name: (one.get(name), two.get(name)) for name in {**one, **two}}
         return {name: values for name, values in both.items() if values[0] != values[1]}
 
@@ -99,7 +111,7 @@ class Comparison:
 
     @cached_property
     def _findings(self) -> dict[str, list[Finding]]:
-        one, two = (findings_of_result(run) for run in (self.first, self.second))
+        one, two = (run.findings for run in (self.first, self.second))
         return {
             "both": [finding for finding in one if finding in two],
             "first": [finding for finding in one if finding not in two],

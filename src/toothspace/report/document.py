@@ -92,6 +92,12 @@ def document_lines(contents: Mapping[str, Any]) -> Iterator[TextLine]:
     key = [(x.label, f"{x.value} {x.unit}") for x in contents["key_numbers"]]
     yield from _table("Key numbers", key)
     yield from _causes(contents["causes"])
+    lost = [
+        (row["label"].capitalize(), f"{row['flow']} L/min", f"{row['share']} %")
+        for row in contents["lost_flow"]
+    ]
+    if lost:
+        yield from _table("Lost flow, and its share of the kinematic flow", lost)
     if contents["temperatures"]:
         rows = [(x.label, f"{x.value} {x.unit}") for x in contents["temperatures"]]
         yield from _table("Temperatures", rows)

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from toothspace.advice.findings import findings_of, status_line
+from toothspace.advice.findings import findings_of
 from toothspace.advice.limits import limits_of
 from toothspace.advice.verdict import verdict
+from toothspace.api import machine_of
 from toothspace.case.presets import INTERFACES, MODELS
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.files import path_of, require_ending, write_text
+from toothspace.core.finding import status_line
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
@@ -19,9 +21,9 @@ from toothspace.plotting.startup import speed_and_pressure
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.charts import turning_section
 from toothspace.report.document import write_document
-from toothspace.report.machine import machine_of
 from toothspace.report.page import render
 from toothspace.report.wording import format_value, quantity, shown_unit
+from toothspace.results import lost_flow
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
@@ -176,6 +178,7 @@ def _numbers(solution: Solution) -> dict[str, Any]:
         "key_numbers": [quantity(n, summary[n]) for n in names if n in summary and n != held],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "causes": _causes(solution, summary),
+        "lost_flow": _lost_flow(solution),
         "temperatures": temperatures,
         "ledger_rows": rows,
         "ledger_notes": notes,
@@ -207,6 +210,28 @@ def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str,
         total = {"power": format_value(power), "share": f"{100.0 * share:.2f}"}
         found.append({"cause": cause, "rows": rows, "size": power, **total})
     return sorted(found, key=lambda group: -float(group["size"]))
+
+
+def _lost_flow(solution: Solution) -> list[dict[str, str]]:
+    """Parts of the flow that the volumetric efficiency lacks, and their sum; empty without."""
+    parts = lost_flow.parts_of(solution.data)
+    if not parts:
+        return []
+    speed = solution.ledger.shaft_angle / solution.ledger.duration
+    kinematic = abs(float(solution.data["displacement"]) * speed)
+    paths = dict(zip(solution.data["path"].values, solution.data["path_label"].values, strict=True))
+
+    def row(label: str, flow: float, kind: str = "") -> dict[str, str]:
+        litres, share = format_value(round(flow * 6e4, 5)), f"{100.0 * flow / kinematic:.3f}"
+        return {"label": label, "flow": litres, "share": share, "kind": kind}
+
+    rows = []
+    for name, flow in parts.items():
+        for before, how in ((lost_flow.PRESSURE, "by pressure"), (lost_flow.DRAG, "by drag")):
+            if name.startswith(before) and flow != 0.0:
+                rows.append(row(f"{paths[name.removeprefix(before)]}, {how}", flow))
+    rows += [row(label, parts[name]) for name, label in lost_flow.LABELS.items() if name in parts]
+    return [*rows, row("lost flow", sum(parts.values()), "supplied")]
 
 
 def _machine(solution: Solution, description: MachineDescription | None) -> dict[str, Any]:

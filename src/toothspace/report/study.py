@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from toothspace.core.files import write_text
-from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.page import render
 from toothspace.report.wording import format_value, quantity
-from toothspace.studies.study import StudyResult, StudyTable
+from toothspace.studies.study import StudyResult, StudyTable, study_figures
 
 _LONGEST_TABLE = 400
 _WIDEST_TABLE = 12

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from toothspace.studies.tabulate import stem_and_unit
+from toothspace.results.summary_names import stem_and_unit
 
 _TYPOGRAPHY = (("degC", "°C"), ("deg", "°"), ("um", "µm"), ("m2", "m²"), ("m3", "m³"))
 """Units as plain text, and for a reader."""

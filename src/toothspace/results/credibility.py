@@ -11,6 +11,7 @@ import numpy as np
 
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
+from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -34,6 +35,9 @@ PULL_LIMIT = 0.05
 IMPACT_LIMIT = 0.5
 """Change of a contact force between two samples, over the largest, that is an impact. [-]"""
 
+CUT_LIMIT = 0.5e-6
+"""Depth to which tips may run against a wall, of the order of its roughness. [m]"""
+
 _BAR = 1e5
 _COMPARED = (
     "volumetric_efficiency",
@@ -42,7 +46,13 @@ _COMPARED = (
     "flow_ripple_percent",
     "max_chamber_pressure_bar",
 )
-_PRESSURES = ("chamber_pressure_highest", "chamber_pressure", "inlet_pressure", "outlet_pressure")
+_PRESSURES = (
+    "chamber_pressure_highest",
+    "chamber_pressure_maximum",
+    "chamber_pressure",
+    "inlet_pressure",
+    "outlet_pressure",
+)
 
 
 def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
@@ -56,7 +66,10 @@ def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
         Pressure up to which the properties of the fluid are known. [Pa]
     """
     return solution.with_note(
-        *_pressure(solution, highest_pressure), *_numbers(solution), *_bodies(solution)
+        *_pressure(solution, highest_pressure),
+        *_numbers(solution),
+        *_bodies(solution),
+        *_tips(solution.data),
     )
 
 
@@ -208,6 +221,27 @@ def _bodies(solution: Solution) -> Iterator[Finding]:
             )
 
 
+def _tips(data: Dataset) -> Iterator[Finding]:
+    """Tips that would cut into a wall that has not been run in."""
+    if "tip_gap_minimum" not in data or "running_in_depth" in data:
+        return
+    for name, gap in by_label(data["tip_gap_minimum"]).items():
+        depth = -gap
+        if depth > CUT_LIMIT:
+            found = f"{1e6 * depth:.2g} µm"
+            yield Finding(
+                "warning",
+                f"Tips ({name.replace('_', ' ')}) would cut {found} into the wall round them; the "
+                "gap keeps the height of the roughness there, which no machine as made has.",
+                quantity=f"Cut of the tips, {name.replace('_', ' ')}",
+                found=found,
+                allowed=f"up to {1e6 * CUT_LIMIT:g} µm",
+                severity="serious",
+                advice="Widen machine.casing.radial_clearance, narrow the play of bearings and "
+                "bearing blocks, or run the machine in, [machine.casing.wear_in].",
+            )
+
+
 def _pull(contact_force: DataArray) -> Iterator[Finding]:
     """A rigid mesh between flanks that would part."""
     force = contact_force.sum("contact")
@@ -239,8 +273,8 @@ def _impacts(data: Dataset) -> Iterator[Finding]:
             quantity="Change of the contact force from one sample to the next",
             found=f"{change:.3g} N",
             allowed=f"up to {IMPACT_LIMIT * largest:.3g} N",
-            advice="Extremes of torque and contact force depend on run.samples_per_revolution; "
-            "the low orders of the torque do not.",
+            advice="Extremes of torque and contact force come from 2880 states of a revolution, "
+            "which may miss the peak of a blow; the low orders of the torque do not depend on it.",
         )
 
 

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.constants import ZERO_CELSIUS
+from toothspace.core.types import Array
 from toothspace.model.path_category import DRAIN
-from toothspace.results import ripple
+from toothspace.results import lost_flow, ripple
 from toothspace.results.ledger import Ledger, loss_causes
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ def _rise(data: xr.Dataset, heat: float, mass: float) -> float:
 def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     """Return the summary numbers of a run, in engineering units named by their suffix."""
     data = ripple.distinct_samples(data)
-    pressure = np.asarray(data["chamber_pressure"]) if "chamber_pressure" in data else np.nan
+    lowest, highest = ripple.extremes(data, "chamber_pressure")
     numbers = {
         "displacement_cm3_per_rev": float(data["displacement"]) * _TURN * 1e6,
         "mean_flow_L_per_min": mean_flow_rate(data, ledger) * _LITRE_PER_MINUTE,
@@ -137,14 +138,13 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "flow_ripple_percent": ripple.flow_ripple_percent(data),
         "pressure_ripple_bar": ripple.pressure_ripple(data) / _BAR,
         "torque_ripple_percent": ripple.torque_ripple_percent(data),
-        "max_chamber_pressure_bar": float(np.max(pressure)) / _BAR,
-        "min_chamber_pressure_bar": float(np.min(pressure)) / _BAR,
+        "max_chamber_pressure_bar": float(np.max(highest)) / _BAR,
+        "min_chamber_pressure_bar": float(np.min(lowest)) / _BAR,
         "cavitation_index_W": vapour_collapse_power(data),
     }
     if "contact_force" in data:
         # of elastic teeth the contact ratio under load
-        loaded = (data["contact_force"] > 0.0).sum("contact")
-        numbers["mean_loaded_contacts"] = float(loaded.mean())
+        numbers["mean_loaded_contacts"] = mean_loaded_contacts(data)
     numbers["mass_balance_error"] = ledger.mass_balance_error
     numbers["energy_balance_error"] = ledger.energy_balance_error
     return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data, ledger)}
@@ -197,14 +197,15 @@ def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
 
 
 def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
-    leakage = means_by_label(data, "leakage")
     torque = means_by_label(data, "torque_loss")
     causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
     for entry in loss_causes(ledger):
         causes[entry.cause] += entry.power
     lost = lost_flow_rate(data, ledger)
-    flows = {f"leakage_{k}": v for k, v in leakage.items()}
-    flows |= {"lost_flow": lost, "mesh_exchange_flow": lost - sum(leakage.values())}
+    parts = lost_flow.parts_of(data)
+    leakage = lost_flow.leakages_of(parts) or means_by_label(data, "leakage")
+    parts = parts or {lost_flow.EXCHANGE: lost - sum(leakage.values())}
+    flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
     return {
         **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
         **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
@@ -213,16 +214,31 @@ def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
 
 
 def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:
-    """Flow that the volumetric efficiency lacks, at the density of the inlet. [m3/s].
+    """Flow that the volumetric efficiency lacks, at the density of the inlet. [m3/s]."""
+    density, displacement = float(data["inlet_density"]), float(data["displacement"])
+    return lost_flow_of(ledger, density, displacement, motor=_is_motor(data))
 
-    Leakage through the gaps and the rest, ``mesh_exchange_flow``: what meshing chambers exchange
-    beyond the geometric displacement, and what all chambers keep or give back as they are
-    compressed, filled and emptied; negative where they give back.
+
+def lost_flow_of(ledger: Ledger, density: float, displacement: float, *, motor: bool) -> float:
+    r"""Flow that a machine of a displacement [m3/rad] lacks, or a motor takes beyond it. [m3/s].
+
+    Notes
+    -----
+    .. math:: Q_{lost} = V \omega - \dot m_{out} / \rho(p_{in})\ \text{(pump)},\qquad
+              Q_{lost} = \dot m_{in} / \rho(p_{in}) - V \omega\ \text{(motor)}
+
+    Its parts are those of :mod:`toothspace.results.lost_flow`.
     """
-    density, motor = float(data["inlet_density"]), _is_motor(data)
     mass = ledger.mass.get("inlet" if motor else "outlet", 0.0)
-    lost = density * float(data["displacement"]) * ledger.shaft_angle - mass
+    lost = density * displacement * ledger.shaft_angle - mass
     return _ratio(-lost if motor else lost, density * ledger.duration)
+
+
+def mean_loaded_contacts(data: xr.Dataset) -> float:
+    """Mean number of contacts that carry. [-]."""
+    if "contact_loaded_share" in data:
+        return float(data["contact_loaded_share"].sum())
+    return float((data["contact_force"] > 0.0).sum("contact").mean())
 
 
 def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
@@ -265,14 +281,20 @@ def vapour_collapse_power(data: xr.Dataset) -> float:
        numerical model for scaling the flow agressiveness in cavitation erosion", EROCAV
        Workshop, Val de Reuil, 2004.
     """
+    if "vapour_collapse_power" in data:
+        return float(data["vapour_collapse_power"])
     if "chamber_vapour_fraction" not in data or "chamber_volume" not in data:
         return 0.0
-    fraction = np.asarray(data["chamber_vapour_fraction"])
-    vapour = np.where(fraction > _VAPOUR, fraction, 0.0) * np.asarray(data["chamber_volume"])
-    time = np.asarray(data["time"])
-    collapsed = float(np.sum(np.maximum(-np.diff(vapour, axis=0), 0.0)))
     high = max(float(data[f"{port}_pressure"].mean()) for port in ripple.PORTS)
-    return _ratio(high * collapsed, float(time[-1] - time[0]))
+    fraction, volume = data["chamber_vapour_fraction"], data["chamber_volume"]
+    return collapse_power(np.asarray(fraction), np.asarray(volume), np.asarray(data["time"]), high)
+
+
+def collapse_power(fraction: Array, volume: Array, times: Array, high: float) -> float:
+    """Mean power of collapsing vapour under a high pressure [Pa], see above. [W]."""
+    vapour = np.where(fraction > _VAPOUR, fraction, 0.0) * volume
+    collapsed = float(np.sum(np.maximum(-np.diff(vapour, axis=0), 0.0)))
+    return _ratio(high * collapsed, float(times[-1] - times[0]))
 
 
 def _drain_heat(ledger: Ledger) -> float:

@@ -196,6 +196,39 @@ def distinct_samples(data: xr.Dataset) -> xr.Dataset:
     return data.isel(shaft_angle=slice(0, -1)) if closed else data
 
 
+def wave(data: xr.Dataset, name: str) -> tuple[Array, Array]:
+    """Shaft angle and values of a variable at the ports, as close as the result holds them.
+
+    A steady run keeps them at states that do not hang on its samples.
+    """
+    dense = f"dense_{name}"
+    if dense in data:
+        return np.asarray(data["dense_angle"]), np.asarray(data[dense])
+    return np.asarray(data["shaft_angle"]), np.asarray(data[name])
+
+
+def extremes(data: xr.Dataset, name: str) -> tuple[Array, Array]:
+    """Smallest and largest values of a variable over a run, one for each label. [its unit]."""
+    if f"{name}_minimum" in data:
+        return np.asarray(data[f"{name}_minimum"]), np.asarray(data[f"{name}_maximum"])
+    if name not in data:
+        return np.full(1, np.nan), np.full(1, np.nan)
+    values = np.asarray(data[name])
+    return values.min(axis=0), values.max(axis=0)
+
+
+def _span(data: xr.Dataset, name: str) -> float:
+    lowest, highest = extremes(data, name)
+    return float(highest - lowest)
+
+
+def _percent(data: xr.Dataset, name: str) -> float:
+    """Largest minus smallest value over the magnitude of the mean. [%]."""
+    values = wave(data, name)[1]
+    mean = abs(float(np.mean(values[:-1] if f"dense_{name}" in data else values)))
+    return 100.0 * _span(data, name) / mean if mean > 0.0 else float("nan")
+
+
 def ripple_percent(signal: Array) -> float:
     """Return the largest minus the smallest value over the magnitude of the mean. [%]."""
     mean = abs(float(np.mean(signal)))
@@ -209,12 +242,12 @@ def working_side(data: xr.Dataset) -> str:
 
 def flow_ripple_percent(data: xr.Dataset) -> float:
     """Return the flow ripple at the working port. [%]."""
-    return ripple_percent(np.asarray(data[f"{working_side(data)}_flow_rate"]))
+    return _percent(data, f"{working_side(data)}_flow_rate")
 
 
 def pulsating_side(data: xr.Dataset) -> str:
     """Return the port with the larger pressure ripple; the working port if there is none."""
-    ptp = {side: float(np.ptp(np.asarray(data[f"{side}_pressure"]))) for side in PORTS}
+    ptp = {side: _span(data, f"{side}_pressure") for side in PORTS}
     working = working_side(data)
     other = next(side for side in PORTS if side != working)
     return other if ptp[other] > ptp[working] else working
@@ -222,12 +255,12 @@ def pulsating_side(data: xr.Dataset) -> str:
 
 def pressure_ripple(data: xr.Dataset) -> float:
     """Return the peak-to-peak pressure at the port where it is larger. [Pa]."""
-    return float(np.ptp(np.asarray(data[f"{pulsating_side(data)}_pressure"])))
+    return _span(data, f"{pulsating_side(data)}_pressure")
 
 
 def torque_ripple_percent(data: xr.Dataset) -> float:
     """Return the ripple of the shaft torque. [%]."""
-    return ripple_percent(np.asarray(data["shaft_torque"]))
+    return _percent(data, "shaft_torque")
 
 
 def high_pass(shaft_angle: Array, signal: Array, lowest_order: float) -> tuple[Array, Array]:

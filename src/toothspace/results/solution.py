@@ -1,4 +1,4 @@
-"""The outcome of one simulation."""
+"""The solution of one run: data, ledger, findings, figures, tables and report."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, final
 
-from toothspace.core.finding import Finding
+from toothspace.core.errors import CaseError
+from toothspace.core.files import path_of, write_text
+from toothspace.core.finding import Finding, status_line
+from toothspace.core.registry import view
 from toothspace.core.status import Status
 from toothspace.results import performance
 from toothspace.results.events import Event
@@ -17,12 +21,17 @@ from toothspace.results.ledger import Ledger
 from toothspace.results.startup import startup_numbers
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
+
+    from toothspace.model.description import MachineDescription
 
 
+@final
 @dataclass(frozen=True)
 class Solution:
-    """Result of one run, complete or not.
+    """Result of one run, complete or not; what is drawn, listed or exported is made when asked.
 
     Parameters
     ----------
@@ -58,13 +67,14 @@ class Solution:
     warnings: tuple[Finding, ...] = ()
 
     def __repr__(self) -> str:
-        return self._shown(self.status.name.lower())
-
-    def _shown(self, status: str) -> str:
         axis = "time" if "time" in self.data.sizes else "shaft_angle"
         samples = f"{self.data.sizes.get(axis, 0)} samples over {axis}"
         title = self.provenance.get("title", "")
-        return f"<Solution {title!r}: {status}; {samples}>"
+        return f"<Solution {title!r}: {status_line(self.status, self.findings)}; {samples}>"
+
+    def _repr_html_(self) -> str:
+        card: str = view("card")(self)
+        return card
 
     def __getstate__(self) -> dict[str, object]:
         """State for another process, which cannot read what this one keeps on disk."""
@@ -105,6 +115,86 @@ class Solution:
             warnings=found,
         )
 
+    @property
+    def case(self) -> Any:
+        """The case in the result, with its files looked for beside the case file."""
+        return view("case")(self)
+
+    @cached_property
+    def _machine(self) -> tuple[MachineDescription | None, str]:
+        found: tuple[MachineDescription | None, str] = view("machine")(self)
+        return found
+
+    @property
+    def description(self) -> MachineDescription | None:
+        """The machine, rebuilt from the case in the result; None if a file of it is gone."""
+        return self._machine[0]
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What to know before trusting the result or building the machine, serious things first.
+
+        Warnings of the run, limits that it exceeds and design rules that the machine does not
+        meet: the same list on the command line, in JSON, in the report and in comparisons.
+        """
+        found: tuple[Finding, ...] = view("findings")(self, *self._machine)
+        return found
+
+    @property
+    def plot(self) -> Figures:
+        """Figures of the result, such as ``solution.plot.pressures()``."""
+        return Figures(self)
+
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the HTML report and return its path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            File to write; by default named after the case, in the current folder.
+        """
+        stem = Path(self.provenance.get("case_file") or "case").stem
+        written: Path = view("report")(self, f"{stem}.html" if path is None else path)
+        return written
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return all samples as columns named ``variable`` or ``variable[label]``, SI units.
+
+        The index is the shaft angle [rad] or the time [s]; ``attrs["units"]`` holds the units.
+        """
+        import pandas as pd
+
+        axis = "time" if "time" in self.data.sizes else "shaft_angle"
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name, variable in self.data.data_vars.items():
+            if variable.dims[:1] != (axis,) or variable.ndim > 2:
+                continue
+            rest = variable.dims[1:]
+            labels = [f"[{label}]" for label in self.data[rest[0]].values] if rest else [""]
+            for k, label in enumerate(labels):
+                columns[f"{name}{label}"] = variable.values[:, k] if rest else variable.values
+                units[f"{name}{label}"] = str(variable.attrs.get("units", "1"))
+        frame = pd.DataFrame(columns, index=pd.Index(self.data[axis].values, name=axis))
+        frame.attrs["units"] = units
+        return frame
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write all samples as CSV, one column for each value, with ``name [unit]`` on top.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write.
+        """
+        frame = self.to_dataframe()
+        index = "s" if frame.index.name == "time" else "rad"
+        heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
+        text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
+        target = path_of(path, "CSV", "a file to write")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        return write_text(target, text)
+
     def save(self, path: str | Path) -> Path:
         """Write one NetCDF file; an interrupted write leaves no half file behind.
 
@@ -125,3 +215,92 @@ class Solution:
         return write_result(
             path, self.data, self.ledger, self.events, attributes, self.statistics, self.provenance
         )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """Figures of a solution; each is an object of Matplotlib.
+
+    Raises
+    ------
+    CaseError
+        If the result cannot give the figure: the names of those it can are in the message.
+    """
+
+    solution: Solution
+
+    def __repr__(self) -> str:
+        return f"<Figures: {', '.join(self.names())}>"
+
+    @property
+    def _entries(self) -> dict[str, Any]:
+        found = view("figures")(self.solution, self.solution.description)
+        return {entry.name: entry for entry in found}
+
+    def names(self) -> list[str]:
+        """Return the names of the figures that the result can give."""
+        return list(self._entries)
+
+    def figure(self, name: str) -> Figure:
+        """Return the figure of a name."""
+        entries = self._entries
+        if name not in entries:
+            allowed = ", ".join(entries)
+            raise CaseError(f"figure: found {name!r}, allowed for this result {allowed}")
+        figure: Figure = entries[name].draw(self.solution, self.solution.description)
+        return figure
+
+    def section(self) -> Figure:
+        """Section of the machine, coloured by pressure."""
+        return self.figure("gear_section")
+
+    def pressures(self) -> Figure:
+        """Pressure of a chamber on its way round; over time where a run has a circuit."""
+        transient = "time" in self.solution.data.sizes
+        return self.figure("time_history" if transient else "chamber_pressure")
+
+    def ripple(self) -> Figure:
+        """Flow, pressure and torque over a turn, with their spectra."""
+        return self.figure("ripple")
+
+    def orbits(self) -> Figure:
+        """Path of the bodies inside their clearances."""
+        return self.figure("journal_orbits")
+
+    def forces(self) -> Figure:
+        """Pressure force on the bodies over a turn."""
+        return self.figure("force_polar")
+
+    def contacts(self) -> Figure:
+        """Contact forces of the teeth."""
+        rotors = "tooth_contact_forces" in self.names()
+        return self.figure("tooth_contact_forces" if rotors else "contact_forces")
+
+    def losses(self) -> Figure:
+        """Every loss of power."""
+        return self.figure("loss_bars")
+
+    def torques(self) -> Figure:
+        """Friction torque by mechanism."""
+        return self.figure("torque_breakdown")
+
+    def leakage(self) -> Figure:
+        """Leakage by path."""
+        return self.figure("leakage_by_path")
+
+    def wear(self) -> Figure:
+        """Depth that the gears cut into the casing."""
+        return self.figure("casing_wear")
+
+    def films(self) -> Figure:
+        """Lateral films: height, pressure and contact."""
+        return self.figure("lateral_films")
+
+    def volumes(self) -> Figure:
+        """Chamber volume and its derivative over the angle."""
+        return self.figure("volumes")
+
+    def openings(self) -> Figure:
+        """Open areas of a chamber over the angle."""
+        return self.figure("openings")

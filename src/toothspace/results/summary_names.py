@@ -1,4 +1,4 @@
-"""Names of summary numbers, known before a run: what objectives, targets and limits may name."""
+"""Names of summary numbers: the unit that each ends with, and those that runs give."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ STEADY = (
     "outlet_pressure_bar", "shaft_power_W", "hydraulic_power_W", "power_loss_W",
     "inlet_temperature_degC", "outlet_temperature_degC", "drain_temperature_degC",
     "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
+    "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
     "bearing_position_um", *LATERAL,
 )  # fmt: skip
 """Of a run at an operating point; films add some."""
@@ -30,8 +31,35 @@ OVER_TIME = (
     "loss_energy_J", "real_time_factor",
 )  # fmt: skip
 """Of a run with a circuit."""
-BY_LABEL = ("leakage_", "torque_loss_", "power_loss_")
+BY_LABEL = ("leakage_", "pressure_leakage_", "drag_leakage_", "torque_loss_", "power_loss_")
 """Beginnings of the names that end with a path or a mechanism of the machine."""
+
+
+UNITS: Mapping[str, str] = {
+    "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
+    "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
+    "mm2": "mm2", "s": "s", "MPa": "MPa", "K": "K", "mrad": "mrad", "W_per_mm2": "W/mm2",
+    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J",
+}  # fmt: skip
+"""Units by the suffix of a name."""
+
+
+def stem_and_unit(name: str) -> tuple[str, str]:
+    """Split a name such as ``mean_flow_L_per_min`` from its unit, ``1`` if it has none."""
+    suffix = max((s for s in UNITS if name.endswith(f"_{s}")), key=len, default="")
+    return name.removesuffix(f"_{suffix}"), UNITS.get(suffix, "1")
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the suffix of a name says, ``1`` if it has none."""
+    return stem_and_unit(name)[1]
+
+
+def label_of(name: str) -> str:
+    """Return a name with its unit for a reader, such as ``mean flow (L/min)``."""
+    stem, unit = stem_and_unit(name)
+    words = stem.replace("_", " ")
+    return words if unit == "1" else f"{words} ({unit})"
 
 
 def require_known(wanted: Mapping[str, str], label: str, *, over_time: bool) -> None:

@@ -112,6 +112,14 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("casing_angle", "casing_angle", "rad",
      "Angle round a bore in the sense of rotation, zero opposite to the mesh"),
     ("running_in_depth", "body casing_angle", "m", "Depth cut into the casing by running-in"),
+    ("dense_angle", "dense_angle", "rad",
+     "Angle of the drive shaft at the states that spectra come from, whatever the samples are"),
+    ("contact_loaded_share", "contact", "1", "Share of a revolution in which a contact carries"),
+    ("tip_gap_minimum", "tip", "m",
+     "Smallest gap of tips along a wall, negative where they would cut in and roughness is kept"),
+    ("vapour_collapse_power", "", "W", "Mean power that collapsing vapour sets free"),
+    ("lost_flow", "flow_part", "m3/s",
+     "Flow that the volumetric efficiency lacks, in parts that sum to it"),
     ("event_shaft_angle", "event", "rad", "Shaft angle of an event"),
     ("event_time", "event", "s", "Time of an event"),
     ("event_kind", "event", "", "Kind of an event"),
@@ -134,6 +142,18 @@ WITH_EXTREMES = (
 )  # fmt: skip
 """Variables of which a run over time also keeps the lowest and the highest value of each row."""
 
+OVER_A_REVOLUTION = (
+    "shaft_torque", "inlet_flow_rate", "outlet_flow_rate", "inlet_pressure", "outlet_pressure",
+    "chamber_pressure", "contact_force", "journal_film_height",
+)  # fmt: skip
+"""Variables of which a steady run keeps the smallest and the largest value of its revolution."""
+
+WAVES = (
+    "shaft_torque", "inlet_flow_rate", "outlet_flow_rate", "inlet_pressure", "outlet_pressure",
+    "line_flow_rate",
+)  # fmt: skip
+"""Variables that a steady run keeps at ``dense_angle`` too."""
+
 
 def _variables() -> dict[str, Variable]:
     table = {
@@ -146,6 +166,16 @@ def _variables() -> dict[str, Variable]:
             text = f"{entry.long_name}, {extreme} value within a row"
             key = f"{name}_{extreme}"
             table[key] = Variable(key, entry.dimensions, entry.units, text)
+    for name in OVER_A_REVOLUTION:
+        entry = table[name]
+        labels = tuple(dim for dim in entry.dimensions if dim != SAMPLE)
+        for end, word in (("minimum", "smallest"), ("maximum", "largest")):
+            text = f"{entry.long_name}, {word} value of the revolution between all samples"
+            table[f"{name}_{end}"] = Variable(f"{name}_{end}", labels, entry.units, text)
+    for name in WAVES:
+        entry = table[name]
+        key = f"dense_{name}"
+        table[key] = Variable(key, ("dense_angle",), entry.units, entry.long_name)
     return table
 
 
@@ -159,6 +189,8 @@ CHANNELS = (
     "contact_force", "contact_gap", "torque_loss", "power_loss",
 )  # fmt: skip
 """Variables with several values in each sample, of which a run over time may keep some."""
+
+_COORDINATES = ("shaft_angle", "time", "casing_angle", "dense_angle")
 
 LABELS: Mapping[str, tuple[str, ...]] = {
     "port": ("inlet", "outlet", "drain", "inlet_groove", "outlet_groove"),
@@ -179,6 +211,8 @@ LABEL_DIMENSIONS: Mapping[str, str] = {
     "node": "node of the circuit",
     "film": "lubricating film",
     "heat_node": "oil, body or film of the heat network",
+    "tip": "tips of a body along a wall, named by the machine",
+    "flow_part": "part of the lost flow, leakage of a path by pressure or by drag, or its cause",
     "mass_entry": "mass account of the ledger",
     "energy_entry": "energy account of the ledger",
 }
@@ -238,10 +272,13 @@ def dataset_from(
             raise ValueError(f"unknown {dim} label {sorted(unknown)}; allowed: {LABELS[dim]}")
     arrays = {name: _data_array(name, value, sample) for name, value in values.items()}
     dataset = xr.Dataset(arrays, attrs=dict(attributes or {}))
-    for dim, names in labels.items():
-        dataset = dataset.assign_coords({dim: (dim, np.asarray(list(names), dtype=str))})
-        dataset[dim].attrs["long_name"] = LABEL_DIMENSIONS[dim]
-    coordinates = [name for name in ("shaft_angle", "time", "casing_angle") if name in dataset]
+    dataset = dataset.assign_coords(
+        {
+            dim: (dim, np.asarray(list(names), dtype=str), {"long_name": LABEL_DIMENSIONS[dim]})
+            for dim, names in labels.items()
+        }
+    )
+    coordinates = [name for name in _COORDINATES if name in dataset]
     return dataset.set_coords(coordinates)
 
 

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from toothspace.case import Case
+from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
+from toothspace.floating.coupled_run import coupled_solution
+from toothspace.floating.coupling import PointRequest
+from toothspace.floating.problem import (
+    NO_FLOATING_PART,
+    LateralSettings,
+    balance_of,
+)
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
 from toothspace.run.heating import lateral_heating, with_temperatures
 from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupled_run import coupled_solution
-from toothspace.simulation.lateral.coupling import PointRequest
-from toothspace.simulation.lateral.problem import LateralSettings, balance_of, require_floating_part
 
 
 def simulate(run: Run, progress: Progress | None = None) -> Solution:
@@ -36,3 +41,16 @@ def lateral_settings(case: Case) -> LateralSettings:
     check_grid("run.film_grid", run.film_grid)
     grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
     return LateralSettings(grid=grid, angles=angles, deformation=law, heating=heating)
+
+
+def require_floating_part(case: Case) -> None:
+    """Refuse a machine without a floating part in balance before anything is computed.
+
+    Raises
+    ------
+    CaseError
+        If it has none, in the words of the machine type.
+    """
+    lacking = getattr(case.machine, "missing_floating_part", NO_FLOATING_PART)
+    if lacking:
+        raise CaseError(lacking)

@@ -15,7 +15,9 @@ from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.run.run import Run
-from toothspace.solver.outcome import attributes_of, openings
+from toothspace.solver.cyclic import DENSE
+from toothspace.solver.look import SEEN, openings
+from toothspace.solver.outcome import attributes_of
 
 _JOINING_GAP = 5e-6
 
@@ -24,30 +26,27 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Kinematic flow and torque of a case; done at once, so progress is not reported."""
     del progress
     case, description, condition = run.case, run.machine, run.condition
-    fluid, dual_flank = run.fluid, case.run.flank_sealing == "dual"
-    shaft_angle = np.linspace(0.0, 2.0 * np.pi, case.run.samples_per_revolution + 1)
-    to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
-    rate = _volume_rates(description, shaft_angle)
-    outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
+    fluid, speed = run.fluid, condition.shaft_speed
     density = float(mixture_density(condition.inlet_pressure, fluid.feed_gas_mass_fraction, fluid))
-    span = condition.outlet_pressure - condition.inlet_pressure
-    speed = condition.shaft_speed
-    motor = description.mode == "motor"
-    pressure = np.where(to_outlet, condition.outlet_pressure, condition.inlet_pressure)
-    torque = span * outflow
+    shaft_angle = np.linspace(0.0, 2.0 * np.pi, case.run.samples_per_revolution + 1)
+    dense_angle = np.linspace(0.0, 2.0 * np.pi, DENSE // SEEN + 1)
+    close = _waves(run, dense_angle)
+    chambers = close.pop("chamber_pressure")
     volumes = [
         f.volume(f.phases + f.angle_ratio * shaft_angle[:, None]) for f in description.families
     ]
+    extremes = {f"{name}_minimum": values.min(axis=0) for name, values in close.items()}
+    extremes |= {f"{name}_maximum": values.max(axis=0) for name, values in close.items()}
     values = {
         "shaft_angle": shaft_angle,
         "time": shaft_angle / speed,
         "shaft_speed": np.full_like(shaft_angle, speed),
-        "shaft_torque": -torque if motor else torque,
-        "inlet_flow_rate": outflow * speed,
-        "outlet_flow_rate": outflow * speed,
-        "inlet_pressure": np.full_like(shaft_angle, condition.inlet_pressure),
-        "outlet_pressure": np.full_like(shaft_angle, condition.outlet_pressure),
-        "chamber_pressure": pressure,
+        **_waves(run, shaft_angle),
+        "chamber_pressure_minimum": chambers.min(axis=0),
+        "chamber_pressure_maximum": chambers.max(axis=0),
+        **extremes,
+        "dense_angle": dense_angle,
+        **{f"dense_{name}": values for name, values in close.items()},
         "chamber_volume": np.concatenate([part[..., 0] for part in volumes], axis=1),
         "displacement": np.asarray(description.displacement),
         "inlet_density": np.asarray(density),
@@ -60,12 +59,12 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
         {"chamber": description.chamber_labels, "body": [b.name for b in description.bodies]},
         attributes=attributes_of(description, case.title),
     )
-    volume = float(np.trapezoid(outflow, shaft_angle))
+    volume = float(np.trapezoid(close["outlet_flow_rate"], dense_angle)) / speed
     ledger = ledger_from(
         {
             "mass_inlet": density * volume,
             "mass_outlet": density * volume,
-            "shaft": volume * span,
+            "shaft": volume * (condition.outlet_pressure - condition.inlet_pressure),
             "port_inlet": volume * condition.inlet_pressure,
             "port_outlet": volume * condition.outlet_pressure,
         },
@@ -73,6 +72,25 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
         2.0 * np.pi,
     )
     return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, run.provenance)
+
+
+def _waves(run: Run, shaft_angle: Array) -> dict[str, Array]:
+    """Torque, flows and pressures over the angle, by result variable. [SI]."""
+    description, condition = run.machine, run.condition
+    dual_flank = run.case.run.flank_sealing == "dual"
+    to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
+    rate = _volume_rates(description, shaft_angle)
+    outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
+    torque = (condition.outlet_pressure - condition.inlet_pressure) * outflow
+    inlet, outlet = condition.inlet_pressure, condition.outlet_pressure
+    return {
+        "shaft_torque": -torque if description.mode == "motor" else torque,
+        "inlet_flow_rate": outflow * condition.shaft_speed,
+        "outlet_flow_rate": outflow * condition.shaft_speed,
+        "inlet_pressure": np.full_like(shaft_angle, inlet),
+        "outlet_pressure": np.full_like(shaft_angle, outlet),
+        "chamber_pressure": np.where(to_outlet, outlet, inlet),
+    }
 
 
 def outlet_members(

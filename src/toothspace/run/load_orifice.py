@@ -16,6 +16,8 @@ from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_r
 
 _LOAD_ROUNDS = 4
 _LOAD_SETTLED = 1e-2
+_EVERY = 16
+"""Every so many of the dense states count to the mean pressure."""
 _LOAD_MATCH = 2e-3
 _WITHOUT_LEAKAGE = 0.5
 _MOST_LEAKAGE = 1.5
@@ -85,7 +87,9 @@ def _roughly_sized(
 
 def _gauge_pressure(history: History) -> float:
     """Mean pressure of the outlet volume over the last revolution, above that of the load. [Pa]."""
-    samples = history.states[: max(len(history.states) - 1, 1)]
-    seen = observe(history.system.arrays, samples)
+    dense = history.dense
+    # dense states, so that the orifice does not hang on the samples
+    states = history.states if dense is None else dense.states[::_EVERY]
+    seen = observe(history.system.arrays, states[: max(len(states) - 1, 1)])
     mean = float(seen.pressure[:, history.system.description.outlet_node].mean())
     return mean - history.system.condition.load_pressure

@@ -11,12 +11,11 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import IntArray
 from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
-from toothspace.films.lateral.conductance import FaceConductance, FaceResolution, face_conductance
-from toothspace.films.lateral.shared_paths import shared_paths
+from toothspace.films.plane.conductance import FaceConductance, FaceResolution, face_conductance
+from toothspace.films.plane.shared_paths import shared_paths
 from toothspace.model.description import LumpedLateralFilm, MachineDescription
 from toothspace.model.film_faces import FacePlaces, SharedFaces
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation.lateral.between_covers import bodies_between_covers
 
 _RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
 
@@ -116,6 +115,9 @@ def solved_covers(
     assert faces is not None
     if faces.motion == "none" or condition is None or fluid is None:
         return CoverFilms(tuple(face_conductance(cover, _RESOLUTION) for cover in faces.covers))
+    # loaded where bodies float between the covers alone
+    from toothspace.floating.between_covers import bodies_between_covers
+
     pitch = faces.face.chambers.pitch
     turn = pitch * np.arange(_RESOLUTION.angles) / _RESOLUTION.angles
     found = bodies_between_covers(description, condition, fluid, turn)

@@ -11,7 +11,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.map import solved_journal
-from toothspace.films.lateral.conductance import (
+from toothspace.films.plane.conductance import (
     LARGEST,
     FaceResolution,
     face_conductance,

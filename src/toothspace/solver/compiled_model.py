@@ -21,6 +21,7 @@ from toothspace.model.circuit import stored_in_elements
 from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
 from toothspace.model.jacobian import fill_jacobian
+from toothspace.model.network import CLOSED_GAP
 from toothspace.model.system import (
     error_weights,
     evaluate,
@@ -88,6 +89,7 @@ class Observation(NamedTuple):
     path_drop: Array
     path_loss: Array
     path_drag: Array
+    path_carried: Array
     path_partner: IntArray
     raw_height: Array
     pressure_force: Array
@@ -111,6 +113,7 @@ def _empty_observation(arrays: SystemArrays, count: int) -> Observation:
         path_drop=np.zeros((count, paths)),
         path_loss=np.zeros((count, paths)),
         path_drag=np.zeros((count, paths)),
+        path_carried=np.zeros((count, paths)),
         path_partner=np.zeros((count, paths), dtype=np.int64),
         raw_height=np.full((count, paths), np.inf),
         pressure_force=np.zeros((count, motions)),
@@ -292,6 +295,11 @@ def _note_paths(s: SystemArrays, state: Array, out: Observation, i: int) -> None
         out.path_flow[i, j] = s.path[row, col.FLOW]
         out.path_loss[i, j] = s.path[row, col.LOSS]
         out.path_drag[i, j] = s.path[row, col.DRAG]
+        # what the chambers' accounts hand over between nominal and displaced wall
+        width = s.path_values[row, 1] if row < s.open_kinds[col.ORIFICE] else 0.0
+        opened = s.path[row, col.HEIGHT] - s.path[row, col.NOMINAL_HEIGHT]
+        throat = s.open_data[row, col.MULTIPLICITY] * s.open_data[row, col.THROAT_SPEED]
+        out.path_carried[i, j] = -throat * opened * width if width > CLOSED_GAP else 0.0
         height = s.path_values[row, col.GEOMETRY]
         for k in range(s.size.motions):
             height += s.path_values[row, col.HEIGHT_BY_MOTION + k] * state[s.size.position + k]

@@ -19,6 +19,10 @@ from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import Piece, start_march
 
+DENSE = 11520
+"""States of a revolution between which extremes and spectra are looked for."""
+_COMPARED = 128
+"""Every so many of them are compared from one revolution to the next."""
 _CYCLIC_PRESSURE = AGREEMENT
 _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
@@ -54,6 +58,17 @@ class RunPlan:
 
 @final
 @dataclass(frozen=True)
+class DenseStates:
+    """States of a revolution close enough for extremes, however few samples are kept."""
+
+    times: Array
+    """Times at :data:`DENSE` equal intervals, both ends. [s]"""
+    states: Array
+    """States there."""
+
+
+@final
+@dataclass(frozen=True)
 class History:
     """The last revolution of a march: states at its samples (both ends) and its events."""
 
@@ -64,6 +79,8 @@ class History:
     events: tuple[Event, ...]
     revolutions: int
     statistics: dict[str, float]
+    dense: DenseStates | None = None
+    """The same revolution with all states that extremes are looked for in, if it has them."""
 
 
 def march_revolutions(
@@ -77,7 +94,8 @@ def march_revolutions(
     """
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     turn = 2.0 * np.pi / system.condition.shaft_speed
-    offsets = np.linspace(0.0, turn, plan.samples_per_revolution + 1)
+    grid = _SampleGrid.with_samples(plan.samples_per_revolution)
+    offsets = turn * grid.shares
     limit = plan.revolutions or plan.max_revolutions
     previous: Piece | None = None
     status = Status.DONE if plan.revolutions else Status.NOT_CYCLIC
@@ -93,7 +111,8 @@ def march_revolutions(
             done = k + 1
             tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
             if previous is not None and not (search and search.moved):
-                changes.append(_difference(system, previous.states, piece.states))
+                every = grid.dense[::_COMPARED]
+                changes.append(_difference(system, previous.states[every], piece.states[every]))
             previous = piece
             if plan.revolutions is not None:
                 continue
@@ -114,15 +133,36 @@ def march_revolutions(
         if previous is None:
             raise
     assert previous is not None
+    own, dense = (k[k < previous.times.size] for k in (grid.own, grid.dense))
     return History(
         status,
         system,
-        previous.times,
-        previous.states,
+        previous.times[own],
+        previous.states[own],
         previous.events,
         done,
         {**march.statistics, "revolutions": float(done)},
+        DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
     )
+
+
+@final
+@dataclass(frozen=True)
+class _SampleGrid:
+    """Where in a revolution states are wanted: at its samples, and densely."""
+
+    shares: Array
+    """Ascending shares of the revolution. [-]"""
+    own: IntArray
+    dense: IntArray
+    """Places of the samples and of the dense states among them."""
+
+    @classmethod
+    def with_samples(cls, samples: int) -> _SampleGrid:
+        """Grid with so many samples, which mostly are dense states too."""
+        dense, own = (np.arange(count + 1) / count for count in (DENSE, samples))
+        shares = dense if DENSE % samples == 0 else np.union1d(dense, own)
+        return cls(shares, np.searchsorted(shares, own), np.searchsorted(shares, dense))
 
 
 @final
@@ -240,9 +280,8 @@ def _difference(system: System, before: Array, after: Array) -> float:
     """Largest change from one revolution to the next over what counts as none. [-]."""
     from toothspace.solver.compiled_model import observe
 
-    every = slice(None, None, 8)
-    old = observe(system.arrays, before[every]).pressure
-    new = observe(system.arrays, after[every]).pressure
+    old = observe(system.arrays, before).pressure
+    new = observe(system.arrays, after).pressure
     chambers = system.arrays.size.chambers
     old[:, :chambers] = old[:, successors(system.description)]
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)

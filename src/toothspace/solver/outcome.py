@@ -11,7 +11,7 @@ from toothspace.circuit.network import END_A, END_B, PORT_NODES
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
@@ -23,11 +23,13 @@ from toothspace.model.path_category import (
     LEAKAGES,
     LOAD_ORIFICE,
     PathCategory,
-    PathRole,
 )
+from toothspace.model.paths import by_kind
 from toothspace.results.ledger import Ledger, ledger_from
+from toothspace.results.performance import collapse_power, lost_flow_of
+from toothspace.results.ripple import PORTS
 from toothspace.results.solution import Solution
-from toothspace.results.variables import LABELS, dataset_from
+from toothspace.results.variables import LABELS, WAVES, dataset_from
 from toothspace.solver.compiled_model import (
     Observation,
     evaluate_state,
@@ -35,24 +37,14 @@ from toothspace.solver.compiled_model import (
     observe,
     wall_energy_of,
 )
-from toothspace.solver.cyclic import History
+from toothspace.solver.cyclic import DenseStates, History
+from toothspace.solver.look import Look, looks_at
+from toothspace.solver.lost_flow import lost_flow_parts, path_leakage, shares
 
 _MARGIN = 0.1
 """Part of the range of a table by which a load may lie outside. [-]"""
-_TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
-"""Roles of the paths through which a chamber that is sealed from both ports still flows."""
-
 _SIDES = dict(zip(PORT_NODES, ("inlet", "outlet", "drain", "outlet", "inlet"), strict=True))
 """Port to which the mass in a node counts."""
-
-_PORTS: tuple[PathRole, ...] = (
-    "inlet_port",
-    "outlet_port",
-    "drain",
-    "inlet_groove",
-    "outlet_groove",
-)
-"""Roles of openings in the order of the dimension ``port``."""
 
 
 def solution_from(
@@ -68,41 +60,110 @@ def solution_from(
         Further result variables, such as ``running_in_depth`` and ``fluid_temperature``.
     """
     system = history.system
-    seen = observe(system.arrays, history.states)
-    trapped, kinds = trapped_flows(history, seen), leakage_categories(system)
+    samples, close = looks_at(history)
+    seen, kinds = samples.seen, leakage_categories(system)
     ports, own = port_values(history, seen), system.arrays.chambers
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
+    ledger = window_ledger(history).with_trapping(close.trapped_losses())
+    constants = constants_of(system, ports)
+    leaked = path_leakage(samples, shares(samples))
     values = {
         **ports,
-        **constants_of(system, ports),
+        **constants,
         **_line_flow(history, seen),
         **chamber_values(system, seen),
         "chamber_volume": seen.volume[:, : system.arrays.size.chambers],
         "chamber_angle": np.mod(angle, 2.0 * np.pi),
-        "opening_area": openings(system.description, history.states[:, 0]),
+        "opening_area": samples.openings,
         **body_values(history, seen),
         **loss_values(history, seen),
         **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
-        "leakage": _leakage(system, seen, trapped),
+        "leakage": _by_path(system, sum(leaked) / seen.density[:, [system.description.inlet_node]]),
         "equivalent_leakage": _equivalent_leakage(system, seen),
         "drain_flow_rate": _drain_flow_rate(system, seen),
         # at the shaft, of walls that drag fluid to higher pressure
         "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
+        **_dense_values(history, close),
         **extra,
     }
+    motor = system.description.mode == "motor"
+    density, displacement = float(constants["inlet_density"]), system.description.displacement
+    parts = lost_flow_parts(close, lost_flow_of(ledger, density, displacement, motor=motor))
+    values["lost_flow"] = np.array(list(parts.values()))
     data = dataset_from(
-        values, labels_of(system), attributes=attributes_of(system.description, title)
+        values,
+        {**labels_of(system), "flow_part": list(parts)},
+        attributes=attributes_of(system.description, title),
     )
     return Solution(
         status=history.status,
         data=data,
-        ledger=window_ledger(history).with_trapping(_trapped_losses(history, seen, trapped)),
+        ledger=ledger,
         statistics=history.statistics,
         provenance=provenance,
         events=history.events,
     )
+
+
+def _dense_values(history: History, close: Look) -> dict[str, Array]:
+    """Waves at the ports and extremes of a revolution, from states closer than its samples."""
+    system, seen, times = history.system, close.seen, close.history.times
+    waves = {**port_values(close.history, seen), **_line_flow(close.history, seen)}
+    waves["dense_angle"] = waves.pop("shaft_angle")
+    chambers = chamber_values(system, seen)
+    found = {name: waves[name] for name in ("inlet_pressure", "outlet_pressure", "shaft_torque")}
+    found |= {f"{port}_flow_rate": _dense_flow(history, close, port) for port in PORTS}
+    found["chamber_pressure"] = chambers["chamber_pressure"]
+    positions = _body_positions(close.history)
+    names = [body.name for body in system.description.bodies]
+    journals = _journal_values(system, positions, names, _block_position(close.history))
+    if "journal_film_height" in journals:
+        found["journal_film_height"] = journals["journal_film_height"]
+    values = {}
+    if system.arrays.size.contacts:
+        found["contact_force"] = seen.contact_force
+        carries = seen.contact_force[: max(times.size - 1, 1)] > 0.0
+        values["contact_loaded_share"] = carries.mean(axis=0)
+    for name, signal in found.items():
+        values[f"{name}_minimum"], values[f"{name}_maximum"] = (
+            signal.min(axis=0),
+            signal.max(axis=0),
+        )
+    tips = _tips(system)
+    if tips:
+        values["tip_gap_minimum"] = np.array([seen.raw_height[:, at].min() for at in tips.values()])
+    values |= {
+        name if name == "dense_angle" else f"dense_{name}": waves[name]
+        for name in ("dense_angle", *WAVES)
+        if name in waves
+    }
+    volume = seen.volume[:, : system.arrays.size.chambers]
+    high = max(float(waves[f"{port}_pressure"].mean()) for port in PORTS)
+    power = collapse_power(chambers["chamber_vapour_fraction"], volume, times, high)
+    return {**values, "vapour_collapse_power": np.asarray(power)}
+
+
+def _tips(system: System) -> dict[str, slice]:
+    """Where the gaps of tips along a wall stand among all paths, by name."""
+    found, first = {}, 0
+    for path in by_kind(system.description.paths):
+        if path.throat_speed != 0.0:
+            found[path.name] = slice(first, first + path.count)
+        first += path.count
+    return found
+
+
+def _dense_flow(history: History, close: Look, port: str) -> Array:
+    """Flow through a port at all dense states, where it has narrow peaks. [m3/s]."""
+    system, times = history.system, close.history.times
+    node = node_places(system.description, system.condition)[port]
+    dense = history.dense or DenseStates(history.times, history.states)
+    stored = _stored_rate(system, dense.times, dense.states, port)
+    going, density = _leaving(system, close.seen, node), close.seen.density[:, node]
+    flow = (stored + np.interp(dense.times, times, going)) / np.interp(dense.times, times, density)
+    return -flow if port == "inlet" else flow
 
 
 def lateral_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -120,30 +181,6 @@ def lateral_values(history: History, seen: Observation) -> dict[str, Array]:
         "axial_load": history.states[:, size.film] * seen.lateral[:, LOAD_SCALE],
         "lateral_leakage_factor": seen.lateral[:, HEIGHT_RATIO] ** 3,
         "lateral_load_beyond": beyond.astype(float),
-    }
-
-
-def trapped_flows(history: History, seen: Observation) -> BoolArray:
-    """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
-    system, size = history.system, history.system.arrays.size
-    ports = openings(system.description, history.states[:, 0])[..., :2]
-    sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
-    sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
-    roles = np.array([category.role in _TRAPPED for category in system.categories])
-    inside = roles[system.arrays.path_index[:, col.CATEGORY]]
-    first = sealed[:, system.arrays.path_index[:, col.NODE_A]]
-    second = np.take_along_axis(sealed, seen.path_partner, axis=1)
-    return np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
-
-
-def _trapped_losses(history: History, seen: Observation, trapped: BoolArray) -> dict[str, float]:
-    """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
-    power = np.trapezoid(np.where(trapped, seen.path_loss, 0.0), history.times, axis=0)
-    account = history.system.arrays.path_index[:, col.CATEGORY]
-    return {
-        category.account: float(power[account == k].sum())
-        for k, category in enumerate(history.system.categories)
-        if category.role in _TRAPPED
     }
 
 
@@ -293,11 +330,16 @@ def into_port(history: History, seen: Observation, port: str) -> Array:
     """
     system = history.system
     node = node_places(system.description, system.condition)[port]
-    column = system.arrays.balance[node, 0]
-    if history.times.size < 2:
-        return np.full(history.times.size, np.nan)
-    stored = np.gradient(history.states[:, column], history.times)
+    stored = _stored_rate(system, history.times, history.states, port)
     return np.asarray(stored + _leaving(system, seen, node))
+
+
+def _stored_rate(system: System, times: Array, states: Array, port: str) -> Array:
+    """Rate of the mass that a port has taken up, of its volume or of what was booked. [kg/s]."""
+    node = node_places(system.description, system.condition)[port]
+    if times.size < 2:
+        return np.full(times.size, np.nan)
+    return np.asarray(np.gradient(states[:, system.arrays.balance[node, 0]], times))
 
 
 def _leaving(system: System, seen: Observation, node: int) -> Array:
@@ -326,28 +368,13 @@ def chamber_values(system: System, seen: Observation) -> dict[str, Array]:
     }
 
 
-def openings(description: MachineDescription, shaft_angle: Array) -> Array:
-    """Areas by which every chamber is open to each port and groove, over the angle. [m2]."""
-    area = np.zeros((shaft_angle.size, description.chamber_count, len(_PORTS)))
-    for path in description.paths:
-        if path.kind != "orifice" or path.category.role not in _PORTS:
-            continue
-        angles = path.phases + path.angle_ratio * shaft_angle[:, None]
-        open_area = path.multiplicity * path.geometry(angles)[..., 0]
-        port = _PORTS.index(path.category.role)
-        area[:, path.nodes_a, port] += np.maximum(open_area, 0.0)
-    return area
-
-
 def body_values(history: History, seen: Observation) -> dict[str, Array]:
     """Motions of the bodies, forces on them and in their contacts, at every sample. [SI]."""
     system, size = history.system, history.system.arrays.size
     names = [body.name for body in system.description.bodies]
     shape = (history.times.size, len(names), 3)
-    values = {
-        name: np.zeros(shape)
-        for name in ("body_position", "body_velocity", "body_force", "journal_force")
-    }
+    values = {name: np.zeros(shape) for name in ("body_velocity", "body_force", "journal_force")}
+    values["body_position"] = _body_positions(history)
     values |= {name: np.zeros(shape[:2]) for name in ("body_rotation", "body_moment")}
     for k, motion in enumerate(system.free_motions):
         entry = system.description.motions[motion]
@@ -357,7 +384,6 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
             values["body_moment"][:, body] = seen.pressure_force[:, k]
             continue
         where = (slice(None), body, "xyz".index(entry.axis))
-        values["body_position"][where] = history.states[:, size.position + k]
         values["body_velocity"][where] = history.states[:, size.velocity + k]
         values["body_force"][where] = seen.pressure_force[:, k]
         values["journal_force"][where] = seen.film_force[:, k]
@@ -377,6 +403,19 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["contact_force"] = seen.contact_force
         values["contact_gap"] = _contact_gaps(history)
     return values
+
+
+def _body_positions(history: History) -> Array:
+    """Displacement of every body from its nominal centre. [m]."""
+    system, first = history.system, history.system.arrays.size.position
+    names = [body.name for body in system.description.bodies]
+    found = np.zeros((history.times.size, len(names), 3))
+    for k, motion in enumerate(system.free_motions):
+        entry = system.description.motions[motion]
+        if entry.axis != "rotation":
+            place = (slice(None), names.index(entry.body), "xyz".index(entry.axis))
+            found[place] = history.states[:, first + k]
+    return found
 
 
 def _block_position(history: History) -> Array | None:
@@ -434,22 +473,6 @@ def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
-def _leakage(system: System, seen: Observation, trapped: BoolArray) -> Array:
-    """Flow from the high to the low port, by path. [m3/s].
-
-    A flow counts with the share of the way between the port pressures that it falls; what
-    trapped chambers exchange with one another is part of the displacement.
-    """
-    description = system.description
-    ports = seen.pressure[:, [description.inlet_node, description.outlet_node]]
-    low, span = ports.min(axis=1, keepdims=True), np.ptp(ports, axis=1, keepdims=True)
-    height = np.clip((seen.pressure - low) / np.where(span > 0.0, span, np.inf), 0.0, 1.0)
-    fall = height[:, system.arrays.path_index[:, col.NODE_A]]
-    fall = fall - np.take_along_axis(height, seen.path_partner, axis=1)
-    flow = np.where(trapped, 0.0, seen.path_flow)
-    return _by_path(system, flow * fall / seen.density[:, [description.inlet_node]])
-
-
 def _equivalent_leakage(system: System, seen: Observation) -> Array:
     """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
     condition = system.condition
@@ -469,7 +492,7 @@ def _by_path(system: System, values: Array) -> Array:
     """Sum over all paths of the same kind, shape (samples, kinds)."""
     kinds = [system.categories.index(category) for category in leakage_categories(system)]
     members = system.arrays.path_index[:, [col.CATEGORY]] == np.array(kinds)
-    return np.asarray(values @ members)
+    return np.asarray(values @ members.astype(float))
 
 
 def leakage_categories(system: System) -> list[PathCategory]:
@@ -493,5 +516,6 @@ def labels_of(system: System) -> dict[str, list[str]]:
         "contact": system.contact_labels,
         "path": [category.name for category in leakage_categories(system)],
         "mechanism": list(description.friction_mechanisms),
+        "tip": list(_tips(system)),
         "port": list(LABELS["port"]),
     }

@@ -3,26 +3,27 @@
 ============== ============================================================
 module         responsibility
 ============== ============================================================
-registry       studies by name; runs the study of a case
-study          what every study is given and gives back
+registry       runs the study of a case
+study          how a study is declared, what it is given and gives back
+keys           keys that several studies have
 points         points of a study, evaluated once each
 records        finished points on disk
 workers        processes that share the points
 variation      values of varied keys: grids, samples, distributions
-sweep          many cases over varied keys
-efficiency_map steady points over speed and pressure difference
+tabulate       records of points as datasets, lists and tables
+measured       measured columns
+least_squares  fits within bounds
 lateral_points operating points of a floating bearing
-hysteresis     its position as the outlet pressure goes up and down
-nose_pressure  its position over the pressure on its nose
-source_ripple  a machine as a source of pulsation
-bearing_map    its films over speed and pressure
-balance_sweep  its loops over balanced area and housing friction
+stored_point   one of them on disk
+reduce         tables of films for the lumped preset
 ============== ============================================================
+
+Every other module is a study: it declares keys, run and figures in ``STUDY``, under its own name.
 """
 
 from __future__ import annotations
 
 from toothspace.studies.registry import run_study
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable, study_figures
 
-__all__ = ["StudyContext", "StudyResult", "StudyTable", "run_study"]
+__all__ = ["StudyContext", "StudyResult", "StudyTable", "run_study", "study_figures"]

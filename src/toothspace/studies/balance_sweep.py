@@ -16,22 +16,30 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from toothspace.case import Case
-from toothspace.case.study import BalanceSweepStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
+from toothspace.core.keys import (
+    KeyTable,
+    Number,
+    grid,
+    items,
+    quantity,
+)
 from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
-from toothspace.films.lateral.motion import Balance
-from toothspace.model.lateral_balance import HousingContact
-from toothspace.simulation.lateral.heat import settle_bearing
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
+from toothspace.floating.heat import settle_bearing
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralProblem, lateral_problem
+from toothspace.model.floating_bearing import HousingContact
+from toothspace.plotting.bearing_figures import balance_figures
+from toothspace.results.summary_names import unit_of
+from toothspace.studies.keys import PRESSURE
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record
 from toothspace.studies.stored_point import point_key
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import unit_of
+from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,6 +64,40 @@ _PLANE_GAP = 5e-6
 _PLANE_ANGLES = 16
 _TELL = 1e-9
 """Difference of gaps that counts as a difference. [m]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BalanceSweepStudy(KeyTable):
+    """``kind = "balance_sweep"``: loops of pressure over balanced area and housing friction."""
+
+    balance_ratio: tuple[float, ...] = grid(
+        Number(above=0, high=2), "Balanced area over the reference area."
+    )
+    friction_coefficient: tuple[float, ...] = items(
+        Number(low=0, high=1), "Friction in the housing."
+    )
+    outlet_pressures: tuple[float, ...] = items(
+        PRESSURE, "Outlet pressures in their order, up and down."
+    )
+    reference_area: float | None = quantity(
+        "mm^2",
+        "Area of the ratio one; default what plane rigid films carry at the highest pressure.",
+        above=0,
+        high=1e6,
+        default=None,
+    )
+    start_gap: float = quantity(
+        "um", "Gap that the first point starts from.", above=0, high=10, default=1e-6
+    )
+    lifted_gap: float = quantity(
+        "um", "Gap from which the bearing counts as lifted off.", above=1, high=20, default=10e-6
+    )
+
+    def port_pressures(self, inlet: float) -> list[tuple[str, float, float]]:
+        """Return keys of pressures with the inlet and outlet pressure that they ask for. [Pa]."""
+        asked = self.outlet_pressures
+        return [(f"study.outlet_pressures[{k}]", inlet, outlet) for k, outlet in enumerate(asked)]
 
 
 @final
@@ -343,3 +385,6 @@ def _table(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) 
     points = [f"gap_{k + 1}_um" for k in range(loops.shape[-1])]
     head = ("friction_coefficient", "balance_ratio", "balanced_area_mm2", "loop_area_um_bar")
     return StudyTable("ratios", (*head, *CLAIMS, *points), tuple(rows))
+
+
+STUDY = Study(BalanceSweepStudy, run, balance_figures)

@@ -8,10 +8,12 @@ from itertools import product
 from typing import Any, final
 
 from toothspace.case import Case
-from toothspace.case.study import BearingMapStudy
+from toothspace.core.keys import KeyTable, grid, integer, quantity
 from toothspace.core.units import from_si
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import require_floating_part
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.plotting.bearing_figures import map_figures
+from toothspace.run.elastic import require_floating_part
+from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
 from toothspace.studies.points import (
     collected,
@@ -20,8 +22,26 @@ from toothspace.studies.points import (
     point,
     status_of,
 )
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, map_dataset, point_lists
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BearingMapStudy(KeyTable):
+    """``kind = "bearing_map"``: equilibrium of a floating bearing over speed and pressure."""
+
+    shaft_speed: tuple[float, ...] = grid(SPEED, "Shaft speeds.")
+    outlet_pressure: tuple[float, ...] = grid(PRESSURE, "Absolute outlet pressures.")
+    start_gap: float = quantity(
+        "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
+    )
+    coupling_rounds: int = integer(
+        "Most runs of the chambers per point until they agree with the films; 1: as described.",
+        low=1,
+        high=20,
+        default=6,
+    )
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -100,3 +120,6 @@ def point_numbers(found: CoupledPoint) -> dict[str, Any]:
         "force_balance_error": found.equilibrium.balance.residual,
         "status": found.status.name.lower(),
     }
+
+
+STUDY = Study(BearingMapStudy, run, map_figures)

@@ -3,23 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, final
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import CalibrateStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import (
+    Free,
+    KeyRuleError,
+    KeyTable,
+    Named,
+    Row,
+    declare,
+    file_path,
+    integer,
+    number,
+)
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import from_si
+from toothspace.plotting.panels import StudyFigure, axis_title, panels_of
+from toothspace.plotting.style import BLUE, GREY, INK, ORANGE, styled
+from toothspace.results.summary_names import label_of
+from toothspace.studies.keys import check_span
 from toothspace.studies.least_squares import Fit, fit
 from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
 from toothspace.studies.records import Record
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.variation import Axis, axes_of, values_at, written_values
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CalibrateStudy(KeyTable):
+    """``kind = "calibrate"``: fit keys of the case to measured columns."""
+
+    data: Path = file_path("Columns time and names of results.", ".csv", default=MISSING)
+    fit: Mapping[str, tuple[Any, Any]] = declare(
+        Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
+    )
+    hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
+    evaluation_count: int = integer(
+        "Most sets of values that are tried.", low=2, high=10**6, default=200
+    )
+    seed: int = integer("Seed of the choice of rows to hold out.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        if not self.fit:
+            raise KeyRuleError("fit", "nothing", "at least one key path with two bounds")
+        for path, bounds in self.fit.items():
+            check_span(dict(zip(("from", "to"), bounds, strict=True)), f"fit.{path}")
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -250,3 +292,44 @@ def _errors(outcome: _Outcome) -> dict[str, Any]:
             found[f"{kind}_error"][name] = error
             found[f"{kind}_error_percent"][name] = 100.0 * error / size
     return found
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Fitted against measured, over time or as deviations."""
+    names = [str(n).removeprefix("fitted_") for n in data.data_vars if str(n).startswith("fitted_")]
+    if not names:
+        return []
+    caption = "Fitted against measured; open or grey marks were held out of the fit."
+    return [StudyFigure("fit", caption, fit_comparison(data, names))]
+
+
+@styled
+def fit_comparison(data: xr.Dataset, names: Sequence[str]) -> Figure:
+    """Fitted against measured: over time, or as deviations."""
+    figure, panels = panels_of(names, 1 if "time" in data else 2, 0.5, 2.6)
+    used = data["used"].values.astype(bool)
+    for axes, name in panels:
+        (_over_time if "time" in data else _deviations)(axes, data, name, used)
+    panels[0][0].legend()
+    return figure
+
+
+def _over_time(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
+    time = data["time"].values
+    axes.plot(time[used], data[name].values[used], ".", color=INK, ms=3, label="measured")
+    held = np.logical_not(used)
+    axes.plot(time[held], data[name].values[held], ".", color=GREY, ms=3, label="held out")
+    axes.plot(time, data[f"fitted_{name}"].values, color=ORANGE, lw=1.2, label="fitted")
+    axes.set(xlabel="Time (s)", ylabel=axis_title(name))
+
+
+def _deviations(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
+    x, held = data[name].values, np.logical_not(used)
+    y = 100.0 * (data[f"fitted_{name}"].values - x) / (np.abs(x).mean() or 1.0)
+    axes.axhline(0.0, color=GREY, lw=0.9)
+    axes.plot(x[used], y[used], "o", color=BLUE, ms=4, label="used")
+    axes.plot(x[held], y[held], "o", color=ORANGE, ms=4, mfc="white", label="held out")
+    axes.set(xlabel=f"Measured {label_of(name)}", ylabel="Fitted minus measured (% of mean)")
+
+
+STUDY = Study(CalibrateStudy, run, figures)

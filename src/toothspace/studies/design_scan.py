@@ -2,20 +2,73 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.study import DesignScanStudy
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import suggestion
+from toothspace.core.keys import (
+    KeyTable,
+    choice,
+    declare,
+    flag,
+    integer,
+    number,
+    quantity,
+    suggestion,
+    text,
+)
 from toothspace.core.status import Status
 from toothspace.core.units import to_si
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import unit_of
+from toothspace.plotting.panels import StudyFigure, axis_title, key_title, panels_of
+from toothspace.plotting.style import BLUE, ORANGE, styled
+from toothspace.results.summary_names import unit_of
+from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
+from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.variation import axes_of, unit_samples
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class DesignScanStudy(KeyTable):
+    """``kind = "design_scan"``: kinematics of very many gears, without runs."""
+
+    vary: Mapping[str, Any] = declare(VARY)
+    objective: str = text("Number of the geometry report to be made best.")
+    goal: str = choice("Direction.", "maximise", "minimise", default="maximise")
+    constraints: Mapping[str, Limit] | None = declare(LIMITS, None)
+    design_rules: bool = flag(
+        "Whether a best design must keep the design rules of the geometry report.", default=True
+    )
+    addendum: float | None = number(
+        "Height of the teeth above the shifted reference line, in modules, from which tip "
+        "diameters follow; default those of the case.",
+        low=0.5,
+        high=2.0,
+        default=None,
+    )
+    displacement: float | None = quantity(
+        "cm^3/rev",
+        "Geometric displacement for which the face width of each design is chosen.",
+        above=0,
+        high=10000,
+        default=None,
+    )
+    sample_count: int = integer("Number of designs.", low=2, high=10**7, default=100_000)
+    method: str = choice("How points are placed.", "latin_hypercube", "sobol", default="sobol")
+    best_count: int = integer("Designs in the table of the best.", low=1, high=1000, default=20)
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary)
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -50,7 +103,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         axis.path: column * (to_si(1.0, axis.unit) if axis.unit else 1.0)
         for axis, column in zip(axes, columns, strict=True)
     }
-    designs = api.evaluate_designs(case, varied, study.addendum, study.displacement)
+    designs = api.evaluate_designs(
+        case, varied, addendum=study.addendum, displacement=study.displacement
+    )
     wanted = (study.objective, *(study.constraints or {}))
     for name in wanted:
         if name not in designs.numbers:
@@ -106,3 +161,30 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             StudyTable("reasons", ("what is against designs", "designs"), tuple(counts.items())),
         ),
     )
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Designs that hold all constraints, over each varied key."""
+    if not data["feasible"].any():
+        return []
+    caption = "Designs that hold all constraints, over each varied key; orange: the best."
+    return [StudyFigure("designs", caption, feasible_designs(data))]
+
+
+@styled
+def feasible_designs(data: xr.Dataset) -> Figure:
+    """Objective of the feasible designs over each varied key."""
+    name, kept = data.attrs["objective"], data["feasible"].values
+    sign = 1.0 if data.attrs["goal"] == "maximise" else -1.0
+    merit = data[name].values
+    best = int(np.argmax(np.where(kept, sign * merit, -np.inf)))
+    figure, panels = panels_of(data.attrs["varied"].split(), 2, 0.4, 2.4)
+    for axes, path in panels:
+        axes.plot(data[path].values[kept], merit[kept], ".", color=BLUE, ms=2, rasterized=True)
+        axes.plot(data[path].values[best], merit[best], "o", color=ORANGE, ms=6)
+        axes.set_xlabel(key_title(data, path))
+        axes.set_ylabel(axis_title(name))
+    return figure
+
+
+STUDY = Study(DesignScanStudy, run, figures)

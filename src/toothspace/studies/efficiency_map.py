@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import KeyTable, file_path, grid
 from toothspace.core.units import from_si, parse_quantity
+from toothspace.plotting.panels import StudyFigure, axis_title, has_numbers, spread
+from toothspace.plotting.style import GREY, PRESSURE_COLOURS, contour_lines, new_figure, styled
+from toothspace.results.summary_names import unit_of
+from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Evaluate,
@@ -24,11 +29,13 @@ from toothspace.studies.points import (
     summary_numbers,
 )
 from toothspace.studies.records import Record
-from toothspace.studies.study import StudyContext, StudyResult
-from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists, unit_of
+from toothspace.studies.study import Study, StudyContext, StudyResult
+from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LEAST_SETTINGS = 2
 TABLE_COLUMNS = (
@@ -41,6 +48,21 @@ TABLE_COLUMNS = (
     ("overall_efficiency", "overall efficiency eta_t"),
 )
 """Columns of the table, with the quantities of ISO 4409:2019, tables of test results."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EfficiencyMapStudy(KeyTable):
+    """``kind = "efficiency_map"``: steady points over speed and pressure difference."""
+
+    shaft_speed: tuple[float, ...] = grid(SPEED, "Shaft speeds.")
+    pressure_difference: tuple[float, ...] = grid(PRESSURE, "High minus low pressure.")
+    measured: Path | None = file_path(
+        "Rows of operating_point.shaft_speed, one port pressure of operating_point and "
+        "mean_torque_N_m or mean_flow_L_per_min, to lay over the results.",
+        ".csv",
+        default=None,
+    )
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -152,3 +174,92 @@ def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[flo
         allowed = "operating_point.shaft_speed and a port pressure of operating_point"
         raise CaseError(f"{path}: columns: found {sorted(row)}, allowed {allowed}")
     return speed, abs(known["outlet_pressure"] - known["inlet_pressure"])
+
+
+_RPM = 60.0 / (2.0 * np.pi)
+_EFFICIENCIES = (
+    ("overall_efficiency", "Overall efficiency (%)"),
+    ("hydromechanical_efficiency", "Hydromechanical efficiency (%)"),
+    ("volumetric_efficiency", "Volumetric efficiency (%)"),
+)
+
+
+_CHARACTERISTICS = ("mean_flow_L_per_min", "mean_torque_N_m")
+
+
+_SHOWN_RANGE = 40.0
+"""Percent below the best efficiency that contour lines cover."""
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Efficiencies as contours; flow and torque over the pressure difference."""
+    found = []
+    if not has_numbers(data, *(name for name, _ in _EFFICIENCIES), *_CHARACTERISTICS):
+        return []
+    if min(data.sizes["shaft_speed"], data.sizes["pressure_difference"]) > 1:
+        caption = (
+            "Lines of equal efficiency over shaft speed and pressure difference; "
+            "dots are the computed points. White: a motor that must be driven, or no result."
+        )
+        found.append(StudyFigure("efficiency_map", caption, efficiency_contours(data)))
+    caption = "Flow and torque over the pressure difference, one line per shaft speed."
+    if "measured_shaft_speed" in data:
+        caption += " Crosses: measured."
+    found.append(StudyFigure("characteristics", caption, characteristics(data)))
+    return found
+
+
+@styled
+def efficiency_contours(data: xr.Dataset) -> Figure:
+    """Contours of the three efficiencies over shaft speed and pressure difference."""
+    from matplotlib.ticker import MaxNLocator
+
+    figure = new_figure(7.2, 8.6)
+    speed = data["shaft_speed"].values * _RPM
+    pressure = data["pressure_difference"].values * 1e-5
+    panels = figure.subplots(3, 1, sharex=True)
+    for axes, (name, title) in zip(panels, _EFFICIENCIES, strict=True):
+        # below zero a motor is driven: it has no efficiency there
+        values = np.ma.masked_invalid(np.where(data[name] > 0.0, 100.0 * data[name], np.nan).T)
+        if values.count() > 3:
+            high = float(values.max())
+            low = max(float(values.min()), high - _SHOWN_RANGE)
+            levels = MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high)
+            contour_lines(axes, (speed, pressure, values), levels, cmap=PRESSURE_COLOURS)
+        axes.plot(*map(np.ravel, np.meshgrid(speed, pressure)), ".", color=GREY, ms=3)
+        axes.set(title=title, ylabel="Pressure difference (bar)")
+    panels[-1].set_xlabel("Shaft speed (rpm)")
+    return figure
+
+
+@styled
+def characteristics(data: xr.Dataset) -> Figure:
+    """Flow and torque over the pressure difference, one line per shaft speed."""
+    figure = new_figure(7.2, 3.6)
+    pressure = data["pressure_difference"].values * 1e-5
+    panels = figure.subplots(1, 2)
+    for axes, name in zip(panels, _CHARACTERISTICS, strict=True):
+        for k in spread(data.sizes["shaft_speed"]):
+            speed = float(data["shaft_speed"][k]) * _RPM
+            axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
+        _overlay(axes, data, name)
+        axes.set(xlabel="Pressure difference (bar)", ylabel=axis_title(name))
+    panels[1].legend()
+    return figure
+
+
+def _overlay(axes: Axes, data: xr.Dataset, name: str) -> None:
+    """Measured points in the colour of the nearest shaft speed that is shown."""
+    if f"measured_{name}" not in data:
+        return
+    shown = list(spread(data.sizes["shaft_speed"]))
+    speeds = data["shaft_speed"].values[shown]
+    lines = [line.get_color() for line in axes.lines]
+    places = data["measured_pressure_difference"].values * 1e-5
+    values = data[f"measured_{name}"].values
+    for speed, x, y in zip(data["measured_shaft_speed"].values, places, values, strict=True):
+        colour = lines[int(np.argmin(np.abs(speeds - speed)))]
+        axes.plot(x, y, "x", color=colour, ms=6)
+
+
+STUDY = Study(EfficiencyMapStudy, run, figures)

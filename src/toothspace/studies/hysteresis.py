@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import HysteresisStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import (
+    KeyTable,
+    choice,
+    file_path,
+    forbid,
+    integer,
+    items,
+    number,
+    quantity,
+)
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO, HousingFriction
-from toothspace.model.lateral_balance import HousingContact
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
+from toothspace.model.floating_bearing import HousingContact
+from toothspace.plotting.lateral_figures import hysteresis_figures
+from toothspace.studies.keys import PRESSURE
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
@@ -25,7 +36,7 @@ from toothspace.studies.lateral_points import (
 )
 from toothspace.studies.measured import read_measured
 from toothspace.studies.stored_point import point_key
-from toothspace.studies.study import StudyContext, StudyResult
+from toothspace.studies.study import Study, StudyContext, StudyResult
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +44,47 @@ if TYPE_CHECKING:
 _PRESSURE, _POSITION = "operating_point.outlet_pressure", "relative_position_um"
 _SAME = 0.02
 """Difference of pressures that count as the same step. [-]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HysteresisStudy(KeyTable):
+    """``kind = "hysteresis"``: pressures up and down with bearing friction."""
+
+    outlet_pressures: tuple[float, ...] = items(PRESSURE, "Outlet pressures in their order.")
+    start_gap: float = quantity("um", "Gap that the first point starts from.", above=0, high=100)
+    friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
+    breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
+    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    coupling_rounds: int = integer(
+        "Most runs of the chambers per point until they agree with the films; 1: as described.",
+        low=1,
+        high=20,
+        default=1,
+    )
+    measured: Path | None = file_path(
+        "Rows of operating_point.outlet_pressure and relative_position_um in the order of the "
+        "measurement, to lay over the loop.",
+        ".csv",
+        default=None,
+    )
+    sensor_deflection: float | None = quantity(
+        "um/bar",
+        "Travel of the sensor away from the gears over the outlet pressure, added to measured "
+        "positions.",
+        low=-10,
+        high=10,
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        if self.measured is None:
+            forbid(self, "or give measured positions", "sensor_deflection")
+
+    def port_pressures(self, inlet: float) -> list[tuple[str, float, float]]:
+        """Return keys of pressures with the inlet and outlet pressure that they ask for. [Pa]."""
+        asked = self.outlet_pressures
+        return [(f"study.outlet_pressures[{k}]", inlet, outlet) for k, outlet in enumerate(asked)]
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -60,7 +112,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     curves = friction_curves(housing_contact(spec), highest)
     if measured is None:
         return study.result(numbers, curves)
-    beside = lay_over(measured, spec.sensor_deflection or 0.0)
+    beside = overlay(measured, spec.sensor_deflection or 0.0)
     numbers |= _deviations(study, beside)
     return study.result(numbers, beside.merge(curves))
 
@@ -134,7 +186,7 @@ def read_positions(path: Path) -> tuple[Array, Array]:
     return np.array(pressure), found.channels[_POSITION] * 1e-6
 
 
-def lay_over(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
+def overlay(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
     """Measured positions over ``measured_point``, corrected for a sensor that moves.
 
     Parameters
@@ -240,3 +292,6 @@ def friction_curves(contact: HousingContact, breakaway_force: float) -> xr.Datas
             )
         },
     )  # fmt: skip
+
+
+STUDY = Study(HysteresisStudy, run, hysteresis_figures)

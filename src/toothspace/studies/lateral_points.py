@@ -11,27 +11,26 @@ import numpy as np
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.study import HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.lateral_balance import HousingContact, LateralBalance
-from toothspace.results.variables import variable
-from toothspace.run.elastic import lateral_settings
-from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupling import (
+from toothspace.floating.coupling import (
     CoupledPoint,
     LumpedRun,
     PointRequest,
     couple_point,
 )
-from toothspace.simulation.lateral.problem import (
+from toothspace.floating.problem import (
     LateralNumbers,
     LateralSettings,
     balance_of,
-    require_floating_part,
 )
+from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.results.summary_names import unit_of
+from toothspace.results.variables import variable
+from toothspace.run.elastic import lateral_settings, require_floating_part
+from toothspace.run.run import Run
 from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import (
     FIELDS,
@@ -41,7 +40,6 @@ from toothspace.studies.stored_point import (
     stored_point,
 )
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -258,8 +256,8 @@ class LateralPoints:
         )
 
 
-def housing_contact(study: HysteresisStudy | NosePressureStudy) -> HousingContact:
-    """Friction in the housing by the keys of a study."""
+def housing_contact(study: Any) -> HousingContact:
+    """Friction in the housing by the three keys of a study for it."""
     return HousingContact(
         friction_coefficient=study.friction_coefficient,
         breakaway_speed=study.breakaway_speed,

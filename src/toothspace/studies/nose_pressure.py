@@ -2,17 +2,81 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain
+from typing import final
 
 from toothspace.case import Case
-from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import (
+    KeyRuleError,
+    KeyTable,
+    Number,
+    Table,
+    choice,
+    items,
+    number,
+    quantity,
+    text,
+)
 from toothspace.core.progress import tell
+from toothspace.plotting.lateral_figures import nose_figures
 from toothspace.studies.lateral_points import LateralStudy, PointCondition, housing_contact, prepare
 from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import StoredPoint, point_key
-from toothspace.studies.study import StudyContext, StudyResult
+from toothspace.studies.study import Study, StudyContext, StudyResult
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class NoseCondition(KeyTable):
+    """One of ``conditions``."""
+
+    name: str = text("Label.")
+    outlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
+    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
+    inlet_pressure: float | None = quantity(
+        "bar", "Absolute pressure; default that of the operating point.", above=0, high=1000,
+        default=None,
+    )  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class NosePressureStudy(KeyTable):
+    """``kind = "nose_pressure"``: pressure on the nose patch of the floating bearing."""
+
+    nose_pressure_fractions: tuple[float, ...] = items(
+        Number(low=0, high=1), "Nose pressure over outlet pressure; 0 means inlet pressure."
+    )
+    conditions: tuple[NoseCondition, ...] = items(
+        Table(spec=NoseCondition), "Operating conditions."
+    )
+    friction_coefficient: float = number("Friction in the housing.", low=0, high=1, default=0.02)
+    breakaway_speed: float = quantity(
+        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=1.6e-3
+    )
+    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    start_gap: float = quantity(
+        "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
+    )
+
+    def __post_init__(self) -> None:
+        names = [one.name for one in self.conditions]
+        twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+        if twice is not None:
+            raise KeyRuleError("conditions", f"{twice!r} twice", "a name of its own for each")
+
+    def port_pressures(self, inlet: float) -> list[tuple[str, float, float]]:
+        """Return keys of pressures with the inlet and outlet pressure that they ask for. [Pa]."""
+        return [
+            (
+                f"study.conditions[{k}].outlet_pressure",
+                one.inlet_pressure or inlet,
+                one.outlet_pressure,
+            )
+            for k, one in enumerate(self.conditions)
+        ]
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -97,3 +161,6 @@ def _conditions(
         )
         for fraction in fractions
     ]
+
+
+STUDY = Study(NosePressureStudy, run, nose_figures)

@@ -3,26 +3,78 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import OptimiseStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import (
+    KeyTable,
+    Named,
+    Number,
+    choice,
+    declare,
+    forbid,
+    integer,
+    require,
+    text,
+)
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.plotting.panels import StudyFigure, axis_title, key_title
+from toothspace.plotting.style import BLUE, GREY, INK, new_figure, styled
 from toothspace.results.summary_names import require_known
+from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
 from toothspace.studies.least_squares import fit
 from toothspace.studies.points import evaluate_points, point, require_accepted
 from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import points_dataset, points_table
 from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
 
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
 _INFEASIBLE = 1e12
 _FAILED = 1e15
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class OptimiseStudy(KeyTable):
+    """``kind = "optimise"``: best values of varied keys."""
+
+    vary: Mapping[str, Any] = declare(VARY)
+    objective: str | None = text("Summary number to be made best.", default=None)
+    goal: str = choice("Direction.", "maximise", "minimise", default="maximise")
+    targets: Mapping[str, float] | None = declare(
+        Named(item=Number(), doc="Summary numbers with wanted values, instead of objective."), None
+    )
+    constraints: Mapping[str, Limit] | None = declare(LIMITS, None)
+    method: str = choice(
+        "Search: over the whole range, or from its middle towards targets.",
+        "differential_evolution",
+        "least_squares",
+        default="differential_evolution",
+    )
+    evaluation_count: int = integer("Most evaluations.", low=2, high=10**6, default=200)
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary)
+        if self.targets is None:
+            require(self, "unless targets are given", "objective")
+        else:
+            forbid(self, "because targets are given", "objective")
+        if self.method == "least_squares":
+            require(self, 'with method = "least_squares"', "targets")
+            forbid(self, 'with method = "least_squares"', "constraints")
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -227,3 +279,40 @@ class _TriedPoints:
         names = [self.study.objective, *(self.study.targets or {}), *(self.study.constraints or {})]
         results = [(n, self.records[best].number(n)) for n in dict.fromkeys(names) if n]
         return (StudyTable("best", ("name", "value"), (*values, *results)),)
+
+
+_LABEL_WIDTH = 22
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Points tried in their order."""
+    if data.sizes["point"] == 0:
+        return []
+    caption = (
+        "Every point tried, in its order; grey: a constraint is broken; line: the best so far."
+    )
+    return [StudyFigure("search", caption, search_history(data))]
+
+
+@styled
+def search_history(data: xr.Dataset) -> Figure:
+    """Objective of all points tried, and the varied keys."""
+    paths = [p for p in data.attrs["varied"].split() if data[p].dtype.kind in "fiu"]
+    figure = new_figure(7.2, 2.2 + 1.5 * len(paths))
+    panels = figure.subplots(1 + len(paths), 1, sharex=True, squeeze=False)[:, 0]
+    order, kept = data["point"].values, data["feasible"].values.astype(bool)
+    upwards = data.attrs["goal"] == "maximise" and data.attrs["objective"] != "targets"
+    merit = np.where(kept, data["merit"].values, np.nan)
+    panels[0].plot(order, (np.fmax if upwards else np.fmin).accumulate(merit), color=INK, lw=1.0)
+    shown = [("merit", axis_title(data.attrs["objective"]))]
+    shown += [(path, key_title(data, path)) for path in paths]
+    for axes, (name, label) in zip(panels, shown, strict=True):
+        broken = np.logical_not(kept)
+        axes.plot(order[broken], data[name].values[broken], ".", color=GREY, ms=3)
+        axes.plot(order[kept], data[name].values[kept], ".", color=BLUE, ms=5)
+        axes.set_ylabel(fill(label, _LABEL_WIDTH), fontsize=8)
+    panels[-1].set_xlabel("Point")
+    return figure
+
+
+STUDY = Study(OptimiseStudy, run, figures)

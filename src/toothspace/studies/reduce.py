@@ -23,12 +23,7 @@ from toothspace.films.journal.mixed_lubrication import (
     machine_bearing,
     sweep_friction,
 )
-from toothspace.model.description import MachineDescription
-from toothspace.model.quasi_static import mean_force
-from toothspace.run.elastic import lateral_settings
-from toothspace.run.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.run.run import Run, provenance_of
-from toothspace.simulation.lateral.reduction import (
+from toothspace.floating.reduction import (
     COLUMNS,
     LateralReduction,
     LoadedCondition,
@@ -36,6 +31,11 @@ from toothspace.simulation.lateral.reduction import (
     loaded_condition,
     reduce_lateral,
 )
+from toothspace.model.description import MachineDescription
+from toothspace.model.quasi_static import mean_force
+from toothspace.run.elastic import lateral_settings
+from toothspace.run.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
+from toothspace.run.run import Run, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""

@@ -9,19 +9,52 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import SourceRippleStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import (
+    KeyRuleError,
+    KeyTable,
+    QuantityKey,
+    grid,
+    integer,
+)
 from toothspace.core.types import Array
-from toothspace.results.ripple import PulsationSource, harmonics, pulsation_source, working_side
+from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import BLUE, GREEN, ORANGE, new_figure, styled
+from toothspace.results.ripple import (
+    PulsationSource,
+    harmonics,
+    pulsation_source,
+    wave,
+    working_side,
+)
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 _BAR = 1e5
 _LITRE_PER_MINUTE = 6e4
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SourceRippleStudy(KeyTable):
+    """``kind = "source_ripple"``: source flow and source impedance from lines of two lengths."""
+
+    line_length: tuple[float, ...] = grid(
+        QuantityKey(unit="m", above=0, high=1000),
+        "Lengths of operating_point.line, at least two; its cells keep their length.",
+    )
+    harmonics: int = integer(
+        "Harmonics of the tooth frequency, ISO 10767-1 asks for ten.", low=1, high=40, default=10
+    )
+
+    def __post_init__(self) -> None:
+        if len(set(self.line_length)) < 2:
+            raise KeyRuleError("line_length", f"{len(self.line_length)} length", "two or more")
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -88,9 +121,9 @@ class PortHarmonics:
         solution = api.simulate(case)
         data, teeth = solution.data, api.describe(case).families[0].count
         orders = teeth * np.arange(1.0, self.count + 1)
-        angle, side = np.asarray(data["shaft_angle"]), working_side(data)
-        pressure = harmonics(angle, np.asarray(data[f"{side}_pressure"]), orders)
-        flow = harmonics(angle, np.asarray(data["line_flow_rate"]), orders)
+        side = working_side(data)
+        pressure = harmonics(*wave(data, f"{side}_pressure"), orders)
+        flow = harmonics(*wave(data, "line_flow_rate"), orders)
         flow *= -1.0 if side == "inlet" else 1.0
         return {
             "teeth": teeth,
@@ -190,3 +223,65 @@ def _numbers(data: xr.Dataset) -> dict[str, Any]:
         "line_length_m": listed("line_length"),
         "pressure_ripple_bar": listed("pressure_ripple", 1.0 / _BAR),
     }
+
+
+_BAR = 1e5
+_LITRE_PER_MINUTE = 6e4
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Return source flow and impedance, and the pressure ripple that they make."""
+    return [
+        StudyFigure(
+            "source_ripple",
+            "Source flow and source impedance by harmonics of the tooth frequency. The impedance "
+            "of a volume of fluid falls with the frequency at a phase of -90°.",
+            source_and_impedance(data),
+        ),
+        StudyFigure(
+            "source_pressure",
+            "Pressure ripple into a blocked port and into an endless line of the bore of the case.",
+            source_pressures(data),
+        ),
+    ]
+
+
+@styled
+def source_and_impedance(data: xr.Dataset) -> Figure:
+    """Amplitude of the source flow, amplitude and phase of the source impedance."""
+    figure = new_figure(7.2, 5.6)
+    flow, impedance, phase = figure.subplots(3, 1, sharex=True)
+    hertz = np.asarray(data["frequency"])
+    width = 0.35 * float(hertz[0])
+    flow.bar(hertz, np.asarray(data["source_flow"]) * _LITRE_PER_MINUTE, width, color=BLUE)
+    flow.set_ylabel("Source flow (L/min)")
+    flow.set_title("Source by harmonics of the tooth frequency, peak amplitudes")
+    impedance.semilogy(hertz, np.asarray(data["source_impedance"]), "o-", color=ORANGE)
+    impedance.set_ylabel("Impedance (N s/m⁵)")
+    phase.plot(hertz, np.degrees(data["source_impedance_phase"]), "o-", color=GREEN)
+    phase.set_ylim(-180.0, 180.0)
+    phase.set_yticks([-180, -90, 0, 90, 180])
+    phase.set(ylabel="Its phase (deg)", xlabel="Frequency (Hz)")
+    return figure
+
+
+@styled
+def source_pressures(data: xr.Dataset) -> Figure:
+    """Blocked acoustic and anechoic pressure ripple by harmonics."""
+    figure = new_figure(7.2, 3.2)
+    axes = figure.subplots()
+    hertz = np.asarray(data["frequency"])
+    width = 0.28 * float(hertz[0])
+    for name, color, shift in (("blocked", BLUE, -0.5), ("anechoic", ORANGE, 0.5)):
+        values: Array = np.asarray(data[f"{name}_pressure"]) / _BAR
+        rms = float(np.sqrt(0.5 * np.sum(values**2)))
+        label = f"{name}, r.m.s. {rms:.3g} bar"
+        axes.bar(hertz + shift * width, values, width, color=color, label=label)
+    axes.set_title("Pressure ripple, peak amplitudes")
+    axes.set_ylabel("Pressure (bar)")
+    axes.set_xlabel("Frequency (Hz)")
+    axes.legend()
+    return figure
+
+
+STUDY = Study(SourceRippleStudy, run, figures)

@@ -4,19 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import StartupStudy
 from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import KeyTable, grid, integer
 from toothspace.core.units import from_si
+from toothspace.plotting.panels import StudyFigure, has_numbers
+from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
+from toothspace.studies.keys import SPEED
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import map_dataset, numbers_table
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
 
 COLUMNS = (
     ("breakaway_pressure_bar", "breakaway pressure (bar)"),
@@ -28,6 +38,19 @@ COLUMNS = (
     ("breakaway_time_s", "breakaway time (s)"),
 )
 _PRESSURES = (15.0, 20.0, 30.0, 50.0, 75.0, 100.0, 150.0, 200.0, 250.0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class StartupStudy(KeyTable):
+    """``kind = "startup"``: start-up over plateau speeds and start angles."""
+
+    plateau_speed: tuple[float, ...] | None = grid(
+        SPEED, "Plateau speeds of the supply.", default=None
+    )
+    start_angle_count: int = integer(
+        "Start angles over one tooth pitch.", low=1, high=360, default=1
+    )
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -118,3 +141,66 @@ def _starting_torque(records: Sequence[Record]) -> StudyTable:
         ]
     head = ("pressure difference (bar)", "least starting efficiency", "mean starting efficiency")
     return StudyTable("iso_4392_starting_torque", head, tuple(rows))
+
+
+_RPM = 60.0 / (2.0 * np.pi)
+PAPER_RATIO = 4.0
+"""Start-up over running pressure in measurements of Pawar, Vacca and Rigosi. [-]"""
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Start-up pressure over the plateau speed, breakaway over the start angle."""
+    found = []
+    if has_numbers(data, "startup_pressure_ratio", "settled_pressure_bar"):
+        if data.sizes["plateau_speed"] > 1:
+            caption = "Start-up over running pressure; dashed: the ratio that the paper measured."
+            figure = ratio_over_plateau_speed(data)
+            found.append(StudyFigure("startup_ratio", caption, figure))
+        if data.sizes["start_angle"] > 1:
+            caption = "Breakaway pressure over the start angle; dashed: its mean."
+            found.append(StudyFigure("breakaway_angle", caption, breakaway_over_angle(data)))
+    return found
+
+
+@styled
+def ratio_over_plateau_speed(data: xr.Dataset) -> Figure:
+    """Start-up pressure over running pressure, over the plateau speed of the supply."""
+    figure = new_figure(7.2, 5.2)
+    ratio, pressure = figure.subplots(2, 1, sharex=True)
+    speed = data["plateau_speed"].values * _RPM
+    for name, label, color in (
+        ("startup_pressure_ratio", "over largest running pressure", BLUE),
+        ("startup_to_settled_ratio", "over settled pressure", GREEN),
+    ):
+        ratio.plot(speed, data[name].mean("start_angle").values, "o-", color=color, label=label)
+    ratio.axhline(PAPER_RATIO, color=GREY, linewidth=0.8, linestyle="--")
+    ratio.set(ylabel="Start-up pressure ratio (-)", title="Start-up pressure over running pressure")
+    ratio.legend(loc="upper right")
+    for name, label, color in (
+        ("startup_pressure_bar", "Start-up", ORANGE),
+        ("max_running_pressure_bar", "Largest running", BLUE),
+        ("settled_pressure_bar", "Settled", GREEN),
+    ):
+        values = data[name].mean("start_angle").values
+        pressure.plot(speed, values, "o-", color=color, label=label)
+    pressure.set(ylabel="Pressure (bar)", xlabel="Plateau speed (rpm)")
+    pressure.legend(loc="upper center", ncols=3)
+    return figure
+
+
+@styled
+def breakaway_over_angle(data: xr.Dataset) -> Figure:
+    """Pressure at which the shaft breaks away, over the start angle."""
+    figure = new_figure(7.2, 3.2)
+    axes = figure.subplots()
+    angle = np.degrees(data["start_angle"].values)
+    mean = data["breakaway_pressure_bar"].mean("plateau_speed").values
+    axes.plot(angle, mean, "o-", color=ORANGE)
+    axes.axhline(float(np.nanmean(mean)), color=GREY, linewidth=0.8, linestyle="--")
+    axes.set_xlabel("Start angle (deg)")
+    axes.set_ylabel("Breakaway pressure (bar)")
+    axes.set_title("Breakaway over one tooth pitch")
+    return figure
+
+
+STUDY = Study(StartupStudy, run, figures)

@@ -16,8 +16,8 @@ from toothspace.core.compilation.cache import digest_of_sources
 from toothspace.core.files import plain
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import LateralNumbers, film_fields, film_places
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.problem import LateralNumbers, film_fields, film_places
 from toothspace.studies.records import Record
 
 FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")

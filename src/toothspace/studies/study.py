@@ -1,4 +1,4 @@
-"""What every study is given and what it gives back."""
+"""How a study is declared, what it is given and what it gives back."""
 
 from __future__ import annotations
 
@@ -6,19 +6,30 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
+from toothspace.case import Case
+from toothspace.core import registry
+from toothspace.core.errors import CaseError
 from toothspace.core.files import plain, write_text
+from toothspace.core.keys import suggestion
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.studies.records import Records
 from toothspace.studies.workers import Workers
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
+
+    from toothspace.plotting.panels import StudyFigure
 
 Row = Sequence[float | str]
 
@@ -97,6 +108,42 @@ class StudyResult:
         sizes = " x ".join(f"{name} {size}" for name, size in self.data.sizes.items())
         return f"<StudyResult {self.kind} {self.title!r}: {self.status.name.lower()}, {sizes}>"
 
+    def _repr_html_(self) -> str:
+        from toothspace.plotting.style import figure_to_svg
+
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{escape(name)}</th>"
+            f"<td>{f'{value:.5g}' if isinstance(value, float) else escape(str(value))}</td></tr>"
+            for name, value in self.summary().items()
+            if isinstance(value, (int, float, str))
+        )
+        drawn = study_figures(self.kind, self.data)
+        names = ", ".join(f"plot.{one.name}()" for one in drawn)
+        first = figure_to_svg(drawn[0].figure) if drawn else ""
+        head = f"<h4>{escape(self.title or self.kind)}</h4><p>{escape(self.status.value)}</p>"
+        return f"{head}<table>{rows}</table><div>{first}</div><p>{escape(names)}</p>"
+
+    @property
+    def plot(self) -> StudyFigures:
+        """Figures of the study, such as ``result.plot.sweep()``."""
+        return StudyFigures(self.kind, self.data)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the numbers of the points as columns; ``attrs["units"]`` holds their units.
+
+        The rows are what most variables of the data extend over: points, or the grid of a map.
+        """
+        kinds = Counter(variable.dims for variable in self.data.data_vars.values() if variable.dims)
+        if not kinds:
+            allowed = "a study with points that are finished"
+            raise CaseError(f"study: found no numbers to list, allowed {allowed}")
+        rows = kinds.most_common(1)[0][0]
+        names = [name for name, one in self.data.data_vars.items() if one.dims == rows]
+        frame: pd.DataFrame = self.data[names].to_dataframe()
+        units = {str(name): str(self.data[name].attrs.get("units", "1")) for name in names}
+        frame.attrs["units"] = units
+        return frame
+
     def summary(self) -> dict[str, Any]:
         """Return the numbers of the study with its status and its wall time."""
         return {**self.numbers, "status": self.status.name.lower(), "wall_time_s": self.wall_time}
@@ -127,3 +174,68 @@ class StudyResult:
         for table in self.tables:
             written.append(write_text(target / f"{table.name}.csv", table.to_csv()))
         return written
+
+
+def _no_figures(_data: xr.Dataset) -> list[StudyFigure]:
+    return []
+
+
+@final
+@dataclass(frozen=True)
+class Study:
+    """A study, as its module declares it in ``STUDY``: the name of the module is its kind."""
+
+    keys: type
+    """Keys of its table ``[study]``; an object of it is ``case.study``."""
+    run: Callable[[Case, StudyContext], StudyResult]
+    """Computes it for a case with these keys."""
+    figures: Callable[[xr.Dataset], list[StudyFigure]] = _no_figures
+    """What can be drawn from its data."""
+
+
+def study_figures(kind: str, data: xr.Dataset) -> list[StudyFigure]:
+    """Return all figures that the data of a study can give; none for an unknown kind.
+
+    Parameters
+    ----------
+    kind : str
+        Value of ``study.kind``.
+    data : xarray.Dataset
+        Its data, see :class:`StudyResult`.
+    """
+    declared = registry.study(kind) if kind in registry.study_modules() else None
+    found: list[StudyFigure] = [] if declared is None else declared.figures(data)
+    return found
+
+
+@final
+@dataclass(frozen=True)
+class StudyFigures:
+    """Figures of a study by their names; each is an object of Matplotlib."""
+
+    kind: str
+    """Value of ``study.kind``."""
+    data: xr.Dataset
+    """Its data."""
+
+    def __repr__(self) -> str:
+        return f"<StudyFigures: {', '.join(self.names())}>"
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.names()]
+
+    def __getattr__(self, name: str) -> Callable[[], Figure]:
+        if name.startswith("_") or name not in self.names():
+            raise AttributeError(name)
+        return partial(self.figure, name)
+
+    def names(self) -> list[str]:
+        """Return the names of the figures that the data can give."""
+        return [one.name for one in study_figures(self.kind, self.data)]
+
+    def figure(self, name: str) -> Figure:
+        """Return the figure of a name."""
+        found = {one.name: one.figure for one in study_figures(self.kind, self.data)}
+        if name not in found:
+            raise CaseError(f"figure: found {name!r}, allowed {suggestion(name, found) or 'none'}")
+        return found[name]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toothspace.results.summary_names import unit_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyTable
 from toothspace.studies.variation import Axis
@@ -16,32 +17,6 @@ if TYPE_CHECKING:
 
 NOT_A_RESULT = ("wall_time_s",)
 """Summary numbers that say nothing about the machine."""
-
-UNITS: Mapping[str, str] = {
-    "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
-    "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
-    "mm2": "mm2", "s": "s", "MPa": "MPa", "K": "K", "mrad": "mrad", "W_per_mm2": "W/mm2",
-    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J",
-}  # fmt: skip
-"""Units by the suffix of a name."""
-
-
-def stem_and_unit(name: str) -> tuple[str, str]:
-    """Split a name such as ``mean_flow_L_per_min`` from its unit, ``1`` if it has none."""
-    suffix = max((s for s in UNITS if name.endswith(f"_{s}")), key=len, default="")
-    return name.removesuffix(f"_{suffix}"), UNITS.get(suffix, "1")
-
-
-def unit_of(name: str) -> str:
-    """Return the unit that the suffix of a name says, ``1`` if it has none."""
-    return stem_and_unit(name)[1]
-
-
-def label_of(name: str) -> str:
-    """Return a name with its unit for a reader, such as ``mean flow (L/min)``."""
-    stem, unit = stem_and_unit(name)
-    words = stem.replace("_", " ")
-    return words if unit == "1" else f"{words} ({unit})"
 
 
 def number_names(records: Sequence[Record]) -> list[str]:

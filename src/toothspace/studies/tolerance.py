@@ -3,19 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.study import Limit, ToleranceStudy
+from toothspace.core.keys import KeyTable, choice, declare, integer
 from toothspace.core.types import Array
+from toothspace.plotting.panels import (
+    StudyFigure,
+    axis_title,
+    number_panels,
+    panels_of,
+    short_name,
+    shown_numbers,
+)
+from toothspace.plotting.style import BLUE, GREY, INK, styled
 from toothspace.results.summary_names import require_known
+from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, points_dataset, points_table
 from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ToleranceStudy(KeyTable):
+    """``kind = "tolerance"``: scatter of results from scatter of dimensions."""
+
+    vary: Mapping[str, Any] = declare(VARY)
+    sample_count: int = integer("Number of samples.", low=2, high=10**6, default=64)
+    method: str = choice(
+        "How points are placed.", "latin_hypercube", "sobol", default="latin_hypercube"
+    )
+    sensitivity: str = choice(
+        "Rank correlation, or Sobol indices (sample_count times number of keys + 2 runs).",
+        "rank_correlation",
+        "sobol_indices",
+        default="rank_correlation",
+    )
+    limits: Mapping[str, Limit] | None = declare(LIMITS, None)
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary)
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -236,3 +274,56 @@ def statistics(values: Sequence[float]) -> dict[str, float]:
         "percentile_95": high,
         "highest": float(known.max()),
     }
+
+
+_EFFECTS = {
+    "rank_correlation": "Rank correlation",
+    "first_order_index": "Share of the variance caused alone (first-order index)",
+    "total_index": "Share of the variance with interactions (total index)",
+}
+
+
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Scatter of the main numbers, and their sensitivity to each varied key."""
+    if not shown_numbers(data):
+        return []
+    found = [
+        StudyFigure("scatter", "Scatter of results; dashed: 5, 50 and 95 %.", histograms(data))
+    ]
+    for kind, words in _EFFECTS.items():
+        if kind in data and np.isfinite(data[kind]).any():
+            found.append(StudyFigure(kind, f"{words} of each varied key.", effect_bars(data, kind)))
+    return found
+
+
+@styled
+def histograms(data: xr.Dataset) -> Figure:
+    """Histograms of the main numbers with their percentiles."""
+    figure, panels = number_panels(data)
+    for axes, name in panels:
+        values = data[name].values[np.isfinite(data[name].values)]
+        axes.hist(values, bins=max(5, min(30, round(np.sqrt(values.size)))), color=BLUE)
+        for mark in np.percentile(values, (5.0, 50.0, 95.0)) if values.size else ():
+            axes.axvline(float(mark), color=INK, ls="--", lw=0.9)
+        axes.set(xlabel=axes.get_ylabel(), ylabel="Number of points")
+    return figure
+
+
+@styled
+def effect_bars(data: xr.Dataset, kind: str) -> Figure:
+    """Sensitivity of the main numbers to each varied key."""
+    table = data[kind]
+    names = [n for n in shown_numbers(data) if n in table["result"].values]
+    keys = [str(key) for key in table["key"].values]
+    margin = 0.9 + 0.5 * len(names)
+    figure, panels = panels_of(names, 2, margin, 0.32 * len(keys), sharex=True)
+    for axes, name in panels:
+        values = np.nan_to_num(table.sel(result=name).values)
+        axes.barh([short_name(key) for key in keys], values, color=BLUE, height=0.6)
+        axes.axvline(0.0, color=GREY, lw=0.8)
+        axes.set_title(axis_title(name))
+        axes.invert_yaxis()
+    return figure
+
+
+STUDY = Study(ToleranceStudy, run, figures)

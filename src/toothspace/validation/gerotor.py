@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from toothspace import api
-from toothspace.results.ripple import low_pass, ripple_percent, spectrum
+from toothspace.results.ripple import low_pass, ripple_percent, spectrum, wave
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import ToothForces, tooth_forces
 from toothspace.validation.claim import (
@@ -144,7 +144,7 @@ def _orders(effort: Effort) -> Evidence:
     values, curves = [], []
     for name in _fidelities(effort):
         data = solved(*_at(name)).data
-        angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
+        angle, torque = wave(data, "shaft_torque")
         found = spectrum(angle, torque)
         order = np.round(found.order).astype(int)
         teeth = (order > 0) & (order % 6 == 0)

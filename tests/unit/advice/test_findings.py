@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
+import toothspace as ts
 from tests.fake_solution import fake_description, fake_solution
-from toothspace import api, interactive
-from toothspace.advice.findings import findings_of, status_line
+from toothspace import api
+from toothspace.advice.findings import findings_of
 from toothspace.app.session import Session
 from toothspace.case import Case, load_case
 from toothspace.cli import main
-from toothspace.core.finding import Finding
+from toothspace.core.finding import Finding, status_line
 from toothspace.core.status import Status
 from toothspace.report.comparison import Comparison
 from toothspace.report.document import document_lines
@@ -41,16 +42,16 @@ def told_solution(case: Case) -> Solution:
 
 
 @pytest.fixture
-def solution(monkeypatch: pytest.MonkeyPatch) -> interactive.Solution:
+def solution(monkeypatch: pytest.MonkeyPatch) -> ts.Solution:
     """The result as a notebook has it; the machine of its case is a made-up one."""
     case = load_case(MOTOR)
     monkeypatch.setattr(api, "describe", lambda _: fake_description())
     monkeypatch.setattr(api, "simulate", lambda case, progress=None: told_solution(case))
-    return interactive.simulate(case)
+    return api.simulate(case)
 
 
 def test_the_list_holds_warnings_limits_and_rules_serious_ones_first(
-    solution: interactive.Solution,
+    solution: ts.Solution,
 ) -> None:
     kinds = [finding.kind for finding in solution.findings]
     assert kinds[0] == "warning"
@@ -65,7 +66,7 @@ def test_the_list_holds_warnings_limits_and_rules_serious_ones_first(
 
 
 def test_every_channel_tells_every_finding_once(
-    solution: interactive.Solution,
+    solution: ts.Solution,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -82,7 +83,7 @@ def test_every_channel_tells_every_finding_once(
     page = str(form.state()["result"])
     contents = report_contents(solution, solution.description)
     lines = [cell for line in document_lines(contents) for _, cell in line.cells]
-    again = interactive.load_solution(tmp_path / "egm12_motor.nc")
+    again = ts.load_solution(tmp_path / "egm12_motor.nc")
     compared = Comparison(solution, again)
     channels = {
         "command line": text,
@@ -108,10 +109,8 @@ def test_every_channel_tells_every_finding_once(
     assert compared.findings()["both"] == list(solution.findings)
 
 
-def test_comparison_tells_which_run_a_finding_belongs_to(solution: interactive.Solution) -> None:
-    calm = interactive.Solution(
-        Status.DONE, fake_solution().data, solution.ledger, {}, solution.provenance
-    )
+def test_comparison_tells_which_run_a_finding_belongs_to(solution: ts.Solution) -> None:
+    calm = ts.Solution(Status.DONE, fake_solution().data, solution.ledger, {}, solution.provenance)
     found = Comparison(calm, solution).findings()
     assert "2027 bar" in found["second"][0].text
     assert found["first"] == []
@@ -153,7 +152,7 @@ def test_cavitation_is_told_by_its_power_or_else_by_its_events() -> None:
     assert "no vapour" in seen
 
 
-def test_without_a_machine_the_list_says_why(solution: interactive.Solution) -> None:
+def test_without_a_machine_the_list_says_why(solution: ts.Solution) -> None:
     gone = replace(solution, provenance={**solution.provenance, "case_hash": "other"})
     (note,) = (finding for finding in gone.findings if finding.severity == "note")
     assert "files that the case names have changed since the run" in note.text
@@ -167,4 +166,4 @@ def test_results_of_older_versions_keep_their_warnings(tmp_path: Path) -> None:
     dataset = read_dataset(path, "a result").load()
     del dataset.attrs["findings"]
     write_dataset(dataset, path)
-    assert interactive.load_solution(path).warnings == (Finding("warning", "Seen."),)
+    assert ts.load_solution(path).warnings == (Finding("warning", "Seen."),)

@@ -9,8 +9,9 @@ import pytest
 
 import toothspace as ts
 from tests.fake_solution import fake_solution
-from toothspace import api
 from toothspace.case import Case
+from toothspace.run import ideal, lumped
+from toothspace.run.run import Run
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 PAGE = REPOSITORY / "docs" / "how_to" / "use_python.md"
@@ -25,7 +26,8 @@ def blocks(language: str) -> list[str]:
 def test_examples_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen: list[Case] = []
 
-    def simulate(case: Case, progress: object = None) -> object:
+    def simulate(run: Run, progress: object = None) -> object:
+        case = run.case
         seen.append(case)
         solution = fake_solution()
         keys = {"case_toml": case.to_toml(), "case_file": str(case.source or "")}
@@ -33,7 +35,8 @@ def test_examples_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
             solution.status, solution.data, solution.ledger, provenance=keys
         )  # fmt: skip
 
-    monkeypatch.setattr(api, "simulate", simulate)
+    for preset in (ideal, lumped):
+        monkeypatch.setattr(preset, "simulate", simulate)
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for block in blocks("python"):

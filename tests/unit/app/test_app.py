@@ -15,7 +15,8 @@ import pytest
 from toothspace.app.server import FormServer
 from toothspace.app.session import Session
 from toothspace.case import Case, load_case
-from toothspace.case.shipped import shipped_cases
+from toothspace.case.shipped import cases
+from toothspace.core.netcdf import read_dataset
 
 pytestmark = pytest.mark.unit
 
@@ -75,7 +76,7 @@ def test_form_is_served_to_this_computer_alone(server: FormServer) -> None:
 
 def test_listed_cases_open_as_they_are(server: FormServer) -> None:
     listed = json.loads(_ask(server, "/cases")[1])
-    assert list(listed) == ["own.toml", *shipped_cases()]
+    assert list(listed) == ["own.toml", *cases()]
     for name in ("own.toml", "startup_fan_drive"):
         tables = json.loads(_ask(server, "/case", query=f"&name={name}")[1])
         expected = load_case(server.session.folder / name if "." in name else name)
@@ -96,6 +97,24 @@ def test_problems_name_their_keys(server: FormServer) -> None:
     ]
     assert _ask(server, "/run", tables)[0] == 422
     assert _ask(server, "/check", [1, 2])[0] == 422
+
+
+def test_a_study_is_run_as_one(server: FormServer, tmp_path: Path) -> None:
+    tables = server.session.tables("egm12_pump")
+    tables["run"]["fidelity"] = "ideal"
+    tables["study"] = {
+        "kind": "sweep",
+        "vary": {"machine.casing.radial_clearance": ["10 um", "20 um"]},
+    }
+    assert _ask(server, "/run", tables)[0] == 200
+    _finish(server.session)
+    state = json.loads(_ask(server, "/run")[1])
+    assert state["problem"] == ""
+    assert "plot.sweep()" in state["result"]
+    assert b"Results over machine.casing.radial_clearance" in _ask(server, "/report.html")[1]
+    file = tmp_path / "study.nc"
+    file.write_bytes(_ask(server, "/result.nc")[1])
+    assert read_dataset(file).sizes == {"point": 2}
 
 
 def test_forms_without_a_right_length_are_refused(server: FormServer) -> None:

@@ -68,12 +68,12 @@ Simulate = Callable[..., Any]
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[Simulate], None]:
     """Replace the simulation, and work in an empty folder."""
-    from toothspace import interactive
+    from toothspace import api
 
     monkeypatch.chdir(tmp_path)
 
     def replace(simulate: Simulate) -> None:
-        monkeypatch.setattr(interactive, "simulate", simulate)
+        monkeypatch.setattr(api, "simulate", simulate)
 
     return replace
 
@@ -489,7 +489,7 @@ def test_values_of_numpy_become_json() -> None:
 
 
 def test_lumped_runs_load_no_scipy() -> None:
-    used = "api", "machines.external_gear.describe", "simulation.lumped", "results.file_layout"
+    used = "api", "machines.external_gear.describe", "run.lumped", "results.file_layout"
     heavy = {"scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.special", "matplotlib"}
     program = (
         f"import sys, {', '.join(f'toothspace.{name}' for name in used)}\n"

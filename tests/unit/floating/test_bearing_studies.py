@@ -13,29 +13,28 @@ import xarray as xr
 
 from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import load_case
-from toothspace.case.study import BalanceSweepStudy, BearingMapStudy, HysteresisStudy
 from toothspace.closures.contact_rough import real_contact_share
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
-from toothspace.films.lateral.motion import balance_force
-from toothspace.model.film_faces import FilmFace
-from toothspace.model.lateral_balance import HousingContact
-from toothspace.plotting.catalogue import FIGURES
-from toothspace.plotting.film_maps import lateral_films
-from toothspace.plotting.study_figures import study_figures
-from toothspace.report.study import study_report_html
-from toothspace.report.wording import quantity
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import (
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
+from toothspace.floating.motion import balance_force
+from toothspace.floating.problem import (
     LateralProblem,
     LateralSettings,
     numbers_of,
     wear_map,
 )
-from toothspace.studies import balance_sweep, bearing_map, hysteresis
-from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
-from toothspace.studies.hysteresis import friction_curves
+from toothspace.model.film_faces import FilmFace
+from toothspace.model.floating_bearing import HousingContact
+from toothspace.plotting.catalogue import FIGURES
+from toothspace.plotting.film_maps import lateral_films
+from toothspace.report.study import study_report_html
+from toothspace.report.wording import quantity
+from toothspace.studies import balance_sweep, bearing_map, hysteresis, study_figures
+from toothspace.studies.balance_sweep import GAPS, BalanceSweepStudy, FilmTable, claims, follow
+from toothspace.studies.bearing_map import BearingMapStudy
+from toothspace.studies.hysteresis import HysteresisStudy, friction_curves
 from toothspace.studies.stored_point import stored_point
 from toothspace.studies.study import StudyContext
 
@@ -238,7 +237,7 @@ def test_measured_positions_are_corrected_for_the_sensor(tmp_path: Path) -> None
         "operating_point.outlet_pressure [bar], relative_position_um [um]\n20, 5\n40, 5.5\n20, 5.2",
         encoding="utf-8",
     )
-    beside = hysteresis.lay_over(hysteresis.read_positions(path), 0.01e-6 / 1e5)
+    beside = hysteresis.overlay(hysteresis.read_positions(path), 0.01e-6 / 1e5)
     assert beside["measured_outlet_pressure_bar"].values == pytest.approx([20, 40, 20])
     # relative to the first row, and the sensor moved away by 0.01 um/bar
     assert beside["measured_relative_position_um"].values == pytest.approx([0.0, 0.7, 0.2])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
-from toothspace.films.lateral import compliant_film
-from toothspace.films.lateral.motion import StepSettings, advance, state_at
+from toothspace.floating import compliant_film
+from toothspace.floating.motion import StepSettings, advance, state_at
 
 
 class _Lost:

@@ -9,7 +9,7 @@ import pytest
 from toothspace import api
 from toothspace.case import load_case
 from toothspace.core.errors import ToothspaceError
-from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
+from toothspace.model.floating_bearing import FloatingBearing, LateralBalance
 
 CASE = Path(__file__).parents[3] / "cases" / "hysteresis_055.toml"
 SEAL = 6.45

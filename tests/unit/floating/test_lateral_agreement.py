@@ -13,14 +13,14 @@ import xarray as xr
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
-from toothspace.films.lateral.equilibrium import snapshots_over_pitch
-from toothspace.simulation.lateral.coupling import PointRequest, couple_point
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
+from toothspace.floating.coupling import PointRequest, couple_point
+from toothspace.floating.equilibrium import snapshots_over_pitch
+from toothspace.floating.problem import LateralProblem, LateralSettings
 
 SPEED, FLOW = 100.0, 4e-4
 LEAKAGE = 4e-7
 """Leakage of the paths as they are. [m3/s]"""
-MODULE = "toothspace.simulation.lateral.coupling"
+MODULE = "toothspace.floating.coupling"
 
 
 def _problem(factor: float, coulomb: float) -> LateralProblem:

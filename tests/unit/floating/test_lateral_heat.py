@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import VISCOSITY, loads, pressures, ring_stack
-from toothspace.films.lateral.motion import Balance
 from toothspace.films.thermal import FilmHeating, HeatBalance
-from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
+from toothspace.floating.heat import SettledBearing, settle_bearing
+from toothspace.floating.motion import Balance
+from toothspace.floating.problem import LateralProblem, LateralSettings
 
 SUPPLY, THINNING = 330.0, 0.02
 

@@ -11,11 +11,11 @@ from tests.fake_solution import fake_solution
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from tests.toy_machine import toy_machine
 from toothspace.core.status import Status
-from toothspace.films.lateral.equilibrium import snapshots_over_pitch
+from toothspace.floating.coupled_run import coupled_solution
+from toothspace.floating.coupling import PointRequest, couple_point
+from toothspace.floating.equilibrium import snapshots_over_pitch
+from toothspace.floating.problem import LateralProblem, LateralSettings
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.coupled_run import coupled_solution
-from toothspace.simulation.lateral.coupling import PointRequest, couple_point
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_march_interrupted_at_once_keeps_nothing(
     def stop(*args: Any, **rest: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("toothspace.simulation.lateral.problem.march_angles", stop)
+    monkeypatch.setattr("toothspace.floating.problem.march_angles", stop)
     with pytest.raises(KeyboardInterrupt):
         problem.march(problem.started(3e-6), 4)
 
@@ -75,7 +75,7 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
         run(description)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
+    monkeypatch.setattr("toothspace.floating.coupled_run.couple_point", couple)
     lumped = fake_solution()
     found = coupled_solution(
         NOTHING, NOTHING, lambda _: lumped, NOTHING, 12, lambda _, text: reported.append(text)
@@ -89,7 +89,7 @@ def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) 
     def went_on(*_: Any) -> Any:
         raise AssertionError("went on")
 
-    coupling = "toothspace.simulation.lateral.coupling"
+    coupling = "toothspace.floating.coupling"
     monkeypatch.setattr(f"{coupling}.lateral_problem", went_on)
     monkeypatch.setattr(f"{coupling}.with_lateral_leakage", lambda machine, _: machine)
     cut = replace(fake_solution(), status=Status.INTERRUPTED)
@@ -109,6 +109,6 @@ def test_interrupt_before_any_result_is_passed_on(monkeypatch: pytest.MonkeyPatc
     def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
         return run(description)
 
-    monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
+    monkeypatch.setattr("toothspace.floating.coupled_run.couple_point", couple)
     with pytest.raises(KeyboardInterrupt):
         coupled_solution(NOTHING, NOTHING, run, NOTHING, 12)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from toothspace.films.lateral import equilibrium
+from toothspace.floating import equilibrium
 
 
 @pytest.fixture

@@ -15,21 +15,18 @@ import xarray as xr
 
 from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import Case, load_case
-from toothspace.case.study import (
-    BalanceSweepStudy,
-    BearingMapStudy,
-    HysteresisStudy,
-    NosePressureStudy,
-)
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.plotting.study_figures import study_figures
+from toothspace.floating.coupling import CoupledPoint
+from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.report.study import study_report_html
 from toothspace.run.run import Run
-from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
-from toothspace.studies import hysteresis, lateral_points, run_study
+from toothspace.studies import hysteresis, lateral_points, run_study, study_figures
+from toothspace.studies.balance_sweep import BalanceSweepStudy
+from toothspace.studies.bearing_map import BearingMapStudy
+from toothspace.studies.hysteresis import HysteresisStudy
 from toothspace.studies.lateral_points import LateralStudy, PointCondition
+from toothspace.studies.nose_pressure import NosePressureStudy
 from toothspace.studies.records import Record, Records
 from toothspace.studies.stored_point import StoredPoint, record_of, recorded_point, stored_point
 from toothspace.studies.study import StudyContext

@@ -18,18 +18,18 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.core.types import Array
+from toothspace.floating.reduction import (
+    COLUMNS,
+    LateralReduction,
+    LoadedCondition,
+    load_shares,
+)
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load, chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.run.condition import condition_of
 from toothspace.run.film_tables import lateral_sizes, with_film_tables
 from toothspace.run.run import Run
-from toothspace.simulation.lateral.reduction import (
-    COLUMNS,
-    LateralReduction,
-    LoadedCondition,
-    load_shares,
-)
 from toothspace.studies import reduce
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "egm12_motor_reduced.toml"

@@ -11,12 +11,12 @@ import pytest
 import xarray as xr
 
 from tests.lateral_stack import HIGH, VISCOSITY, loads, pressures, ring_stack
-from toothspace.films.lateral.equilibrium import snapshots_over_pitch
+from toothspace.floating.equilibrium import snapshots_over_pitch
+from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
+from toothspace.floating.torque import lumped_torque, with_film_torque
 from toothspace.model.description import Body, LumpedLateralFilm
 from toothspace.model.films import lateral_asperity_share, lateral_torque_coefficient
-from toothspace.model.lateral_balance import AxialForce
-from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
-from toothspace.simulation.lateral.torque import lumped_torque, with_film_torque
+from toothspace.model.floating_bearing import AxialForce
 
 WALL = 2e-3
 """Torque of drag against pressure that the lumped paths ask for already. [N m]"""
@@ -63,7 +63,7 @@ def test_faces_of_the_machine_take_the_torque_of_touching_films(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """High pressure presses asperities together; the films of another body stay as they are."""
-    monkeypatch.setattr("toothspace.simulation.lateral.torque.replace", _replaced)
+    monkeypatch.setattr("toothspace.floating.torque.replace", _replaced)
     problem = _problem(high_share=0.9)
     found = problem.settle(problem.started(2e-6)).balance
     numbers, machine = numbers_of(problem, found), _machine()

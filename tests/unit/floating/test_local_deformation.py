@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.local_deformation import LocalCompliance, settle_gap
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
+from toothspace.floating.local_deformation import LocalCompliance, settle_gap
 from toothspace.numerics.linear_system import SATURATED
 
 COMPLIANCE = 4e-13

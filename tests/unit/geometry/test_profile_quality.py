@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from toothspace import api, interactive
+from toothspace import api
 from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.geometry.cad_export import export_gear
@@ -110,7 +110,7 @@ def test_run_tells_form_error_and_what_the_flanks_of_the_file_would_give(tmp_pat
     points = wavy(outline(400), 1e-5, 1.5e-3)
     keys = ["machine.gears.center_distance=34.52 mm", "run.fidelity=ideal"]
     case = case_of(tmp_path, points, *keys)
-    solution = interactive.simulate(case)
+    solution = api.simulate(case)
     told = " ".join(map(str, solution.findings))
     assert "Form error of the profile is" in told
     assert "Flanks as in the file, not the involute that fits them, give" in told
@@ -137,7 +137,7 @@ def test_elastic_teeth_close_the_form_error_under_load(tmp_path: Path) -> None:
 
 
 def test_run_of_a_smooth_profile_is_one_run_without_warnings(tmp_path: Path) -> None:
-    solution = interactive.simulate(case_of(tmp_path, outline(), "run.fidelity=ideal"))
+    solution = api.simulate(case_of(tmp_path, outline(), "run.fidelity=ideal"))
     assert "profile" not in " ".join(map(str, solution.findings))
     assert not [name for name in solution.statistics if name.startswith("as_drawn")]
 

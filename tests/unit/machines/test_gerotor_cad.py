@@ -168,4 +168,4 @@ def test_what_files_do_not_hold_is_asked_for(tmp_path):
         ({"profile_unit": "in"}, "profile_unit: found 'in', with which"),
     ):
         with pytest.raises(CaseError, match=message):
-            case.replace({f"machine.rotors.{name}": value for name, value in changes.items()})
+            case.replace({f"machine.rotors.{name}": x for name, x in changes.items()}).check()

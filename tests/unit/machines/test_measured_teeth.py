@@ -199,5 +199,5 @@ def test_incomplete_files_are_refused_in_one_line(tmp_path: Path, text: str, tol
     file = tmp_path / "gear.csv"
     file.write_text(text)
     with pytest.raises(CaseError, match=told) as caught:
-        pump(f"machine.gears.tooth_deviations={file}")
+        pump(f"machine.gears.tooth_deviations={file}").check()
     assert "\n" not in str(caught.value)

@@ -20,7 +20,7 @@ import typer
 from examples import pump_from_cad as drawing
 from toothspace import cli
 from toothspace.case import load_case
-from toothspace.case.shipped import shipped_cases
+from toothspace.case.shipped import cases
 from toothspace.cli.application import application
 from toothspace.core.errors import CaseError
 
@@ -65,7 +65,7 @@ def test_snippets_are_sound(page: Path) -> None:
                 named = [word for word in words if re.match(r"cases/[\w/]+\.toml$", word)]
                 assert all((REPOSITORY / word).is_file() for word in named), words
                 if "case_file" in {p.name for p in COMMANDS[name].params}:
-                    assert words[0].endswith(".toml") or words[0] in shipped_cases(), words
+                    assert words[0].endswith(".toml") or words[0] in cases(), words
 
 
 def pages_with(language: str, wanted: str) -> list[object]:
@@ -179,10 +179,10 @@ def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
 
 
 def test_every_command_and_study_has_its_page() -> None:
-    from toothspace.case.study import STUDIES
+    from toothspace.core.registry import STUDY_KEYS
 
     assert {p.stem for p in (DOCS / "commands").glob("*.md")} == {*COMMANDS, "index"}
-    assert {p.stem for p in (DOCS / "studies").glob("*.md")} == {*STUDIES, "index"}
+    assert {p.stem for p in (DOCS / "studies").glob("*.md")} == {*STUDY_KEYS, "index"}
 
 
 def test_no_page_is_an_orphan() -> None:

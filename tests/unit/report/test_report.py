@@ -14,13 +14,12 @@ from tests.fake_solution import fake_description, fake_solution
 from toothspace.advice.findings import findings_of
 from toothspace.advice.limits import limits_of
 from toothspace.advice.verdict import verdict
-from toothspace.api import describe, load_case
+from toothspace.api import describe, load_case, machine_of
 from toothspace.core.status import Status
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import html, report_html, write_report
 from toothspace.report.document import document_lines
 from toothspace.report.html import report_contents
-from toothspace.report.machine import machine_of
 from toothspace.report.wording import format_value, quantity
 from toothspace.results.credibility import with_warnings
 from toothspace.results.io import load_solution

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 from toothspace.core.errors import CaseError
-from toothspace.plotting.contact_figures import TORQUE_STAGES, contact_span_figures
-from toothspace.studies.contact_span import _measured
+from toothspace.studies.contact_span import TORQUE_STAGES, _measured
+from toothspace.studies.contact_span import figures as contact_span_figures
 
 TURN = 2.0 * np.pi
 

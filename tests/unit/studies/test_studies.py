@@ -9,7 +9,6 @@ import os
 import re
 import time
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +19,17 @@ import toothspace as ts
 from tests.study_cases import Answer, answer, case_with_study
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.study import STUDIES
 from toothspace.cli import main
+from toothspace.core import registry
 from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.registry import STUDY_KEYS
 from toothspace.core.status import Status
-from toothspace.plotting.study_figures import characteristics, study_figures
 from toothspace.report.study import study_report_html
 from toothspace.results.io import read_dataset
-from toothspace.studies import run_study
+from toothspace.studies import run_study, study_figures
+from toothspace.studies.efficiency_map import characteristics
 from toothspace.studies.records import FILE_NAME, PREVIOUS_FILE_NAME, Record, Records
+from toothspace.studies.study import Study
 from toothspace.studies.workers import Workers
 
 CLEARANCE = "machine.casing.radial_clearance"
@@ -188,9 +189,13 @@ def test_a_study_needs_a_kind() -> None:
         run_study(case_with_study(MAP).at_point({}))
 
 
-@pytest.mark.parametrize("kind", STUDIES)
-def test_every_kind_can_be_run(kind: str) -> None:
-    assert callable(import_module(f"toothspace.studies.{kind}").run)
+@pytest.mark.parametrize("kind", STUDY_KEYS)
+def test_every_kind_declares_keys_run_and_figures(kind: str) -> None:
+    declared = registry.study(kind)
+    assert isinstance(declared, Study)
+    assert STUDY_KEYS.name_of(declared.keys) == kind
+    assert callable(declared.run)
+    assert callable(declared.figures)
 
 
 def test_an_interrupt_keeps_finished_points_and_resume_goes_on(
@@ -297,6 +302,26 @@ def test_files_figures_and_page(study: str, calls: list[Case], tmp_path: Path) -
     assert not re.search(r"""(?:src|href)=["']http|url\(http""", page)
     assert page.count("<svg") >= 1
     assert result.tables[0].name in page
+
+
+def test_a_result_is_drawn_listed_and_viewed(calls: list[Case]) -> None:
+    result = run_study(case_with_study(SWEEP))
+    assert result.plot.names() == ["sweep"]
+    assert len(result.plot.sweep().axes) >= 4
+    assert "sweep" in dir(result.plot)
+    with pytest.raises(CaseError, match=r"figure: found 'sweeps', allowed sweep \(did you mean"):
+        result.plot.figure("sweeps")
+    assert not hasattr(result.plot, "sweeps")
+    frame = result.to_dataframe()
+    assert len(frame) == 6
+    assert frame.loc[2, CLEARANCE] == 20.0
+    assert frame.attrs["units"][CLEARANCE] == "um"
+    view = result._repr_html_()
+    assert view.count("<svg") == 1
+    assert "plot.sweep()" in view
+    table = run_study(case_with_study(MAP)).to_dataframe()
+    assert table.index.names == ["shaft_speed", "pressure_difference"]
+    assert table["mean_torque_N_m"].tolist() == pytest.approx([5.0, 10.0, 15.0] * 2)
 
 
 def write_case(folder: Path, study: str) -> Path:

@@ -13,11 +13,11 @@ import xarray as xr
 from tests.study_cases import REPOSITORY, Answer, answer, case_with_study
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.study import Limit
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.report.study import study_report_html
 from toothspace.studies import run_study
+from toothspace.studies.keys import Limit
 from toothspace.studies.least_squares import fit
 from toothspace.studies.measured import read_measured
 from toothspace.studies.records import FILE_NAME

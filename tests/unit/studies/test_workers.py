@@ -27,12 +27,11 @@ if __name__ == "__main__":
 
 _POOL = """
 import time
-from toothspace import api
+from toothspace.core.processes import outcomes
 
-api.simulate = time.sleep
 print(0, flush=True)
 print(1, flush=True)
-api.simulate_all([600.0, 600.0], workers=2)
+outcomes(time.sleep, [600.0, 600.0], 2)
 """
 
 
@@ -85,6 +84,7 @@ def test_no_worker_is_left(text: str, end: signal.Signals, tmp_path: Path) -> No
     assert {first.stdout.readline(), first.stdout.readline()} == {b"0\n", b"1\n"}
     workers: list[psutil.Process] = []
     while len(workers) < 2:
+        assert first.poll() is None
         time.sleep(0.5)
         workers = psutil.Process(first.pid).children(recursive=True)
     os.kill(first.pid, end)

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from toothspace.case import load_case
-from toothspace.case.study import HysteresisStudy
 from toothspace.core.status import Status
-from toothspace.studies.hysteresis import follow_pressures, loop_area
+from toothspace.studies.hysteresis import HysteresisStudy, follow_pressures, loop_area
 from toothspace.studies.lateral_points import LateralStudy
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -11,8 +11,8 @@ import xarray as xr
 
 from toothspace.case import Case, load_case
 from toothspace.core.status import Status
-from toothspace.model.lateral_balance import HousingContact
-from toothspace.simulation.lateral.problem import lateral_problem
+from toothspace.floating.problem import lateral_problem
+from toothspace.model.floating_bearing import HousingContact
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
 from toothspace.studies.nose_pressure import solve_conditions
 

@@ -23,7 +23,7 @@ from toothspace.machines.external_gear.elastic_bodies import beside_cut
 from toothspace.machines.external_gear.films import FaceOfGear, film_face
 from toothspace.machines.external_gear.loads import BODIES, bodies
 from toothspace.machines.external_gear.spec import FloatingBlock
-from toothspace.model.lateral_balance import (
+from toothspace.model.floating_bearing import (
     AxialForce,
     FilmInterface,
     FloatingBearing,

@@ -29,7 +29,7 @@ from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.gear_flanks import GearFlanks
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
-from toothspace.model.lateral_balance import BodyLoad, LoadSource
+from toothspace.model.floating_bearing import BodyLoad, LoadSource
 
 COARSE = MeshSize(0.16, 0.16, 0.13)
 """A few thousand elements for each body."""

@@ -20,7 +20,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.model.lateral_balance import BodyLoad
+from toothspace.model.floating_bearing import BodyLoad
 
 _PATTERNS = 3
 _MIDDLE = 1

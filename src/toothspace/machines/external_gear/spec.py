@@ -18,7 +18,7 @@ from toothspace.geometry.involute import InvoluteGear
 from toothspace.geometry.tooth_deviations import ToothDeviations
 from toothspace.machines.external_gear.floating_parameters import FloatingBearingParameters
 from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
-from toothspace.model.lateral_balance import Patch
+from toothspace.model.floating_bearing import Patch
 
 if TYPE_CHECKING:
     from toothspace.geometry.gear_finder import FoundGear

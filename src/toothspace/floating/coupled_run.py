@@ -1,0 +1,141 @@
+"""Chambers and lateral films in agreement over one revolution, added to a solution."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.progress import UNKNOWN, Progress, tell
+from toothspace.core.status import Status
+from toothspace.floating.body_loads import face_deflection
+from toothspace.floating.coupling import (
+    CoupledPoint,
+    LumpedRun,
+    PointRequest,
+    couple_point,
+)
+from toothspace.floating.problem import LateralNumbers, film_fields, film_places
+from toothspace.floating.stops import leaning
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_load import axial_load
+from toothspace.results.solution import Solution
+from toothspace.results.variables import VARIABLES
+
+
+def coupled_solution(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    run: LumpedRun,
+    request: PointRequest,
+    steps: int,
+    progress: Progress | None = None,
+) -> Solution:
+    """Operating point with its lateral films over one revolution.
+
+    Parameters
+    ----------
+    description, fluid, run, request
+        Machine, fluid, lumped solution and settings, as for :func:`couple_point`.
+    steps : int
+        Steps of the march over the revolution. [-]
+    progress : callable, optional
+        Called with a fraction and a text.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted before there was a lumped solution; a later interrupt keeps what is done.
+    """
+    done: list[Solution] = []
+
+    def lumped(changed: MachineDescription) -> Solution:
+        done.append(run(changed))
+        tell(progress, UNKNOWN, f"lateral films settle, round {len(done)}")
+        return done[-1]
+
+    try:
+        point = couple_point(description, fluid, lumped, request)
+        return _with_films(point, steps, progress)
+    except KeyboardInterrupt:
+        if not done:
+            raise
+        return replace(done[-1], status=Status.INTERRUPTED)
+
+
+def _with_films(point: CoupledPoint, steps: int, progress: Progress | None) -> Solution:
+    """Lumped solution with film fields at the end of a revolution and the way of the bearing.
+
+    Of an interrupted march as far as it came.
+    """
+    march = point.problem.march(point.equilibrium.balance, steps, progress=progress)
+    stack = point.problem.stack
+    data = point.solution.data
+    angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
+    position = np.interp(angle, march.shaft_angle, march.positions, period=2.0 * np.pi)
+    fields = {**film_fields(march.last), **film_places(stack)}
+    fields["film_wear_power"] = march.wear
+    if point.temperatures is not None:
+        fields["film_temperature"] = point.temperatures
+    values: dict[str, object] = {}
+    for name, field in {**fields, "bearing_position": position}.items():
+        entry = VARIABLES[name]
+        dimensions = ("shaft_angle",) if field is position else entry.dimensions
+        values[name] = dimensions, field, {"long_name": entry.long_name, "units": entry.units}
+    data = data.assign(values).assign_coords(
+        film=("film", [grid.interface.name for grid in stack.grids])
+    )
+    data = data.set_coords(list(film_places(stack)))
+    status = point.status if march.converged else Status.NOT_CONVERGED
+    status = Status.INTERRUPTED if march.interrupted else status
+    force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
+    rise, numbers = point.temperature_rise, point.numbers
+    return replace(point.solution, status=status, data=data).with_note(
+        seat_warning(numbers),
+        equilibrium_warning(point),
+        lateral_leakage=numbers.leakage,
+        lateral_leakage_mismatch=point.leakage_mismatch,
+        lateral_torque_mismatch=point.torque_mismatch,
+        lateral_torque=numbers.viscous_torque + numbers.asperity_torque,
+        lateral_smallest_gap=numbers.smallest_gap,
+        lateral_contact_force=numbers.contact_force,
+        lateral_real_contact_area=numbers.real_contact_area,
+        lateral_contact_share=numbers.contact_share,
+        lateral_wear_power=numbers.wear_power,
+        lateral_housing_friction=numbers.friction_force,
+        solid_bearing_seat_force=numbers.seat_force,
+        solid_bearing_seat_margin=numbers.seat_margin,
+        lateral_axial_force=force,
+        lateral_axial_moment=moment,
+        **({} if rise is None else {"lateral_temperature_rise": rise}),
+        floating_bearing_preload=stack.balance.floating.preload.size,
+        lateral_iterations=float(sum(march.iterations)),
+        lateral_equilibrium_residual=point.equilibrium.balance.residual,
+        lateral_residual=float(max(march.residuals)),
+        **face_deflection(march.last.states[0]),
+    )
+
+
+def seat_warning(numbers: LateralNumbers) -> str:
+    """Warning about the seat of the solid bearing, empty if it sits on its cover."""
+    if numbers.seat_force <= 0.0:
+        return (
+            f"The solid bearing lifts off its cover: {-numbers.seat_force:.4g} N are missing "
+            "at one shaft angle at least."
+        )
+    if numbers.seat_margin < 0.0:
+        return (
+            "The solid bearing tips on its cover: it is pressed "
+            f"{-numbers.seat_margin * 1e3:.3g} mm beyond its rim at one shaft angle at least."
+        )
+    return ""
+
+
+def equilibrium_warning(point: CoupledPoint) -> str:
+    """Why there is no equilibrium, or on what bodies lean; empty if films carry all."""
+    found = point.equilibrium
+    if not found.settled:
+        return f"Bearing and gears do not reach equilibrium: {found.reason}."
+    held = leaning(point.problem.stack, found.balance.position)
+    return f"In equilibrium {'; '.join(held)}." if held else ""

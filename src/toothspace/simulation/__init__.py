@@ -1,1 +1,0 @@
-"""Lateral films coupled with chambers."""

@@ -1,0 +1,164 @@
+r"""Where the flow goes that the volumetric efficiency lacks, in parts that sum to it.
+
+Every node has a share :math:`w` of the way from the low to the high side of the machine: 1 at the
+working port and in chambers that are open to it, 0 at the other port, in chambers open to that and
+in an external drain, and in between where a chamber is sealed, by its pressure. With the mass flow
+:math:`\dot m_{ab}` of every path the balances of all nodes, each times its share, sum to the mass
+flow of the working port
+
+.. math:: \dot m_{work} = \sum_{ab} \dot m_{ab} (w_b - w_a)
+    - \sum_i w_i \left(\rho_0 \dot V_i + \dot\mu_i\right), \qquad \mu_i = (\rho_i - \rho_0) V_i,
+
+whatever the shares are. Its negative first term is leakage, of each path by pressure and by the
+drag of walls. The second is what the chambers displace, geometric displacement and timing; the
+third is what they keep or give back by compression, and by free gas and vapour.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
+from toothspace.closures.density import mixture_density
+from toothspace.core.types import Array
+from toothspace.model import arrays as col
+from toothspace.model.assembly import System
+from toothspace.model.path_category import LEAKAGES
+from toothspace.results.lost_flow import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
+from toothspace.solver.compiled_model import Observation
+from toothspace.solver.cyclic import History
+from toothspace.solver.look import Look
+
+_MOST_VOID = 0.999
+
+
+def shares(look: Look) -> Array:
+    """Share of the way from the low to the high side at which every node stands. [-].
+
+    Returns
+    -------
+    ndarray, shape (samples, nodes)
+        1 at the working port, outlet of a pump and inlet of a motor.
+    """
+    system, seen = look.history.system, look.seen
+    description, chambers = system.description, system.arrays.size.chambers
+    ports = [description.inlet_node, description.outlet_node]
+    other, work = ports[::-1] if description.mode == "motor" else ports
+    base, top = seen.pressure[:, [other]], seen.pressure[:, [work]]
+    span = top - base
+    found = np.full_like(seen.pressure, 0.5)
+    np.divide(seen.pressure - base, span, out=found, where=span != 0.0)
+    np.clip(found, 0.0, 1.0, out=found)
+    opened = look.openings > 0.0
+    at = {"inlet": opened[..., 0], "outlet": opened[..., 1]}
+    near, far = ("inlet", "outlet") if description.mode == "motor" else ("outlet", "inlet")
+    inside = found[:, :chambers]
+    inside[at[near] & ~at[far]] = 1.0
+    inside[at[far] & ~at[near]] = 0.0
+    found[:, work], found[:, other], found[:, description.drain_node] = 1.0, 0.0, 0.0
+    return found
+
+
+def path_leakage(look: Look, share: Array) -> tuple[Array, Array]:
+    """Mass flow from the high to the low side of every path, by pressure and by drag. [kg/s].
+
+    A flow counts with the part of the way that it falls. What trapped chambers exchange with one
+    another is no leakage.
+
+    Returns
+    -------
+    pressure, drag : ndarray, shape (samples, paths)
+        Their sum is all that a path leaks; drag against the pressure is negative.
+    """
+    system, seen = look.history.system, look.seen
+    first, second = system.arrays.path_index[:, col.NODE_A], seen.path_partner
+    fall = share[:, first] - np.take_along_axis(share, second, axis=1)
+    source = np.where(
+        seen.path_flow > 0.0,
+        seen.density[:, first],
+        np.take_along_axis(seen.density, second, axis=1),
+    )
+    roles = np.array([category.role in LEAKAGES for category in system.categories])
+    counts = roles[system.arrays.path_index[:, col.CATEGORY]] & ~look.trapped
+    fall = np.where(counts & (seen.path_flow != 0.0), fall, 0.0)
+    walls = source * look.history.states[:, 1:2]
+    drag = walls * (seen.path_drag - seen.path_carried)
+    pressure = seen.path_flow - walls * seen.path_drag
+    return pressure * fall, drag * fall
+
+
+def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
+    """Parts of the lost flow at the density of the inlet, by name; they sum to it. [m3/s].
+
+    Parameters
+    ----------
+    close : Look
+        Close states of a whole number of revolutions.
+    lost : float
+        Flow that the volumetric efficiency lacks, from the ledger. [m3/s]
+
+    Notes
+    -----
+    What meshing chambers exchange is the rest of the mass balance; by the first equation of this
+    module it is also timing of the swept volumes and flows through ports, grooves and the mesh.
+    """
+    history, seen = close.history, close.seen
+    system, times = history.system, history.times
+    if times.size < 2:
+        return {EXCHANGE: lost}
+    share = shares(close)
+    leakage = path_leakage(close, share)
+    density = _density(system, seen)
+    scale = 1.0 / (density * (times[-1] - times[0]))
+    kinds = system.arrays.path_index[:, col.CATEGORY]
+    parts: dict[str, float] = {}
+    for name, flows in zip((PRESSURE, DRAG), leakage, strict=True):
+        masses = np.asarray(np.trapezoid(flows, times, axis=0))
+        for k, category in enumerate(system.categories):
+            if category.role in LEAKAGES:
+                parts[name + category.name] = scale * float(masses[kinds == k].sum())
+    liquid, gas = _kept_masses(system, seen, share, density)
+    parts[COMPRESSION], parts[GAS] = scale * liquid, scale * gas
+    parts[PORT_VOLUMES] = scale * _kept_at_port(history)
+    parts[EXCHANGE] = lost - sum(parts.values())
+    return parts
+
+
+def _density(system: System, seen: Observation) -> float:
+    """Density at the mean pressure of the inlet. [kg/m3]."""
+    fluid, node = system.arrays.fluid, system.description.inlet_node
+    mean = float(seen.pressure[:, node].mean())
+    return float(mixture_density(mean, fluid.feed_gas_mass_fraction, fluid))
+
+
+def _kept_masses(
+    system: System, seen: Observation, share: Array, density: float
+) -> tuple[float, float]:
+    """Mass that chambers on the working side keep beyond the density of the inlet. [kg].
+
+    Liquid that is compressed, and (negative) what free gas and vapour take the place of.
+    """
+    inside, fluid = slice(0, system.arrays.size.chambers), system.arrays.fluid
+    pressure, gas = seen.pressure[:, inside], seen.gas[:, inside]
+    own, volume = seen.density[:, inside], seen.volume[:, inside]
+    void = gas_volume_fraction(pressure, gas, fluid)
+    void = np.minimum(void + vapour_fraction(1.0 / own, pressure, gas, fluid), _MOST_VOID)
+    inlet = float(seen.pressure[:, system.description.inlet_node].mean())
+    fed = float(gas_volume_fraction(inlet, fluid.feed_gas_mass_fraction, fluid))
+    missing = -(void - fed) * own / (1.0 - void) * volume
+    mass = (own - density) * volume
+    mean = 0.5 * (share[1:, inside] + share[:-1, inside])
+    of_gas = float(np.sum(mean * np.diff(missing, axis=0)))
+    return float(np.sum(mean * np.diff(mass, axis=0))) - of_gas, of_gas
+
+
+def _kept_at_port(history: History) -> float:
+    """Mass that volumes and lines on the working side took up. [kg]."""
+    system, size = history.system, history.system.arrays.size
+    description = system.description
+    away = description.outlet_node if description.mode == "motor" else description.inlet_node
+    places = system.arrays.dynamic_index[size.chambers :]
+    nodes = np.arange(size.chambers, size.chambers + places.size)
+    held = places[(places >= 0) & (nodes != away)]
+    masses = history.states[:, size.mass : size.gas]
+    return float((masses[-1, held] - masses[0, held]).sum())

@@ -1,0 +1,140 @@
+"""Parts of the lost flow: they sum to it, in every machine and with every preset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toothspace import api
+from toothspace.closures.density import mixture_density
+from toothspace.model import arrays as col
+from toothspace.results.lost_flow import LABELS, leakages_of, parts_of
+from toothspace.results.solution import Solution
+from toothspace.solver import outcome
+from toothspace.solver.look import Look
+from toothspace.solver.lost_flow import lost_flow_parts, path_leakage, shares
+
+CASES = Path(__file__).resolve().parents[3] / "cases"
+MACHINES = [
+    "egm12_pump", "egm12_motor", "egm12_pump_line", "fuel14_pump",
+    "crescent_pump", "crescent_motor", "gerotor_trochoidal", "gerotor_cycloidal",
+]  # fmt: skip
+SUM = 1e-6
+"""Part of the theoretical flow to which the parts shall sum."""
+
+
+def run(name: str, *overrides: str) -> Solution:
+    case = api.load_case(CASES / f"{name}.toml", list(overrides))
+    return api.simulate(replace(case, study=None))
+
+
+def exchange_in_the_mesh(close: Look) -> float:
+    """Flow lost by timing, and by exchange through ports, grooves and the mesh. [m3/s].
+
+    From the flows of the paths themselves: volume that is not displaced while a chamber counts to
+    the working side, and flows between chambers and ports that stand at different shares.
+    """
+    history, seen, share = close.history, close.seen, shares(close)
+    system, times, leakage = history.system, history.times, path_leakage(close, share)
+    fluid = system.arrays.fluid
+    inlet = float(seen.pressure[:, system.description.inlet_node].mean())
+    density = float(mixture_density(inlet, fluid.feed_gas_mass_fraction, fluid))
+    first, chambers = system.arrays.path_index[:, col.NODE_A], system.arrays.size.chambers
+    fall = share[:, first] - np.take_along_axis(share, seen.path_partner, axis=1)
+    inside = np.array([c.role not in ("load", "circuit") for c in system.categories])
+    flows = np.where(inside[system.arrays.path_index[:, col.CATEGORY]], seen.path_flow * fall, 0.0)
+    exchanged = float(np.trapezoid((flows - leakage[0] - leakage[1]).sum(axis=1), times))
+    volume, inner = seen.volume[:, :chambers], share[:, :chambers]
+    swept = float(np.sum(0.5 * (inner[1:] + inner[:-1]) * np.diff(volume, axis=0)))
+    turned = float(history.states[-1, 0] - history.states[0, 0])
+    displaced = system.description.displacement * turned
+    if system.description.mode == "motor":
+        # lost flow of a motor is what it takes beyond its displacement
+        displaced = -displaced
+    return (exchanged / density + swept + displaced) / float(times[-1] - times[0])
+
+
+def assert_parts_sum(solution: Solution) -> None:
+    parts, summary = parts_of(solution.data), solution.summary()
+    speed = solution.ledger.shaft_angle / solution.ledger.duration
+    theoretical = float(solution.data["displacement"]) * speed * 6e4
+    lost = float(summary["lost_flow_L_per_min"])
+    # by the efficiency, whatever the parts are
+    efficiency = float(summary["volumetric_efficiency"])
+    motor = solution.data.attrs["mode"] == "motor"
+    assert lost / theoretical == pytest.approx(
+        1.0 / efficiency - 1.0 if motor else 1.0 - efficiency, abs=SUM
+    )
+    assert sum(parts.values()) * 6e4 == pytest.approx(lost, abs=SUM * theoretical)
+    told = [float(summary[f"{name}_L_per_min"]) for name in parts]
+    assert sum(told) == pytest.approx(lost, abs=SUM * theoretical)
+    for path, flow in leakages_of(parts).items():
+        assert summary[f"leakage_{path}_L_per_min"] == pytest.approx(flow * 6e4, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_parts_sum_to_the_lost_flow_of_every_machine(name: str) -> None:
+    solution = run(name, "run.revolutions=2")
+    assert_parts_sum(solution)
+    assert set(LABELS) <= set(parts_of(solution.data))
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["run.fidelity=ideal"],
+        ["run.revolutions=1", "run.samples_per_revolution=100"],
+        ["run.revolutions=1", "run.mesh=elastic"],
+        ["run.revolutions=1", 'operating_point.outlet_pressure="1.0 bar"',
+         "operating_point.outlet_load=fixed_pressure"],
+        ["run.revolutions=1", "machine.driven_gear.tooth_count=13"],
+        pytest.param(["run.revolutions=1", "run.fidelity=films"], marks=pytest.mark.slow),
+    ],
+    ids=["ideal", "odd samples", "elastic mesh", "no pressure", "unequal teeth", "films"],
+)  # fmt: skip
+def test_parts_sum_in_every_kind_of_run(overrides: list[str]) -> None:
+    solution = run("egm12_pump", *overrides)
+    if "ideal" in overrides[0]:
+        assert solution.summary()["lost_flow_L_per_min"] == pytest.approx(0.0, abs=1e-3)
+        return
+    assert_parts_sum(solution)
+
+
+def test_walls_of_a_pump_drag_forward_and_those_of_a_motor_back() -> None:
+    pump, motor = (parts_of(run(name, "run.revolutions=2").data) for name in MACHINES[:2])
+    assert pump["drag_leakage_tooth_tip"] < 0.0 < pump["pressure_leakage_tooth_tip"]
+    assert motor["drag_leakage_tooth_tip"] > 0.0
+
+
+def test_tips_that_would_cut_an_unworn_casing_are_named() -> None:
+    narrow = ['machine.casing.radial_clearance="10 um"', "run.revolutions=1"]
+    unworn = api.load_case(CASES / "egm12_pump.toml", narrow).to_dict()
+    del unworn["machine"]["casing"]["wear_in"]
+    told = [w.text for w in api.simulate(api.Case.from_dict(unworn)).warnings]
+    assert any("would cut" in text and "drive" in text for text in told)
+    assert not any("would cut" in w.text for w in run("egm12_pump", *narrow).warnings)
+
+
+@pytest.mark.parametrize(
+    "name", ["egm12_pump", "egm12_motor", "crescent_pump", "gerotor_cycloidal"]
+)
+def test_exchange_in_the_mesh_is_that_of_the_flows_of_the_paths(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The rest of the mass balance against the integral over paths and swept volumes."""
+    seen = []
+
+    def noted(close: Look, lost: float) -> dict[str, float]:
+        seen.append((lost_flow_parts(close, lost), exchange_in_the_mesh(close)))
+        return seen[-1][0]
+
+    monkeypatch.setattr(outcome, "lost_flow_parts", noted)
+    solution = run(name, "run.revolutions=2")
+    parts, exchange = seen[-1]
+    speed = solution.ledger.shaft_angle / solution.ledger.duration
+    theoretical = float(solution.data["displacement"]) * speed
+    # trapezoids over 2880 states of flows with narrow peaks
+    assert exchange == pytest.approx(parts["mesh_exchange_flow"], abs=1e-4 * theoretical)
