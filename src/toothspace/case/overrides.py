@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from toothspace.core.keys import KeyRuleError, KeyTable, joined
+from toothspace.core.keys import KeyRuleError, is_table, joined
 
 CONDITIONS = ("operating_point", "circuit", "bearing", "film")
 """Tables of which a case has exactly one."""
@@ -71,7 +71,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
 
 def _with(table: Any, path: str, value: Any, above: str = "") -> Any:
-    if isinstance(table, KeyTable):
+    if is_table(table):
         found = f"{joined(above, path)} below an object"
         raise KeyRuleError(joined(above, path), found, "a path through tables")
     if not isinstance(table, Mapping):

@@ -5,7 +5,7 @@ JSON Schema and the documentation follow from it. Every construction of a :class
 checks its values: a number behind a key with a unit is in SI units, a text or a
 :class:`toothspace.core.units.Quantity` carries its unit.
 
->>> from dataclasses import dataclass
+>>> from dataclasses import dataclass, is_dataclass
 >>> @dataclass(frozen=True, kw_only=True)
 ... class Casing(KeyTable):
 ...     radial_clearance: float = quantity("um", "Bore radius minus tip radius.", above=0, high=500)
@@ -19,7 +19,7 @@ import difflib
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, final
@@ -579,7 +579,11 @@ class Table(Key):
         return f"a table with the keys {', '.join(keys_of(self.spec))}"
 
     def read(self, raw: Any, source: Source) -> Any:
-        return raw if isinstance(raw, self.spec) else self.spec(**self.values(raw, source))
+        if isinstance(raw, KeyTable):
+            return raw if isinstance(raw, self.spec) else self.fail(shown(raw))
+        # an object of a plain class was not checked when it was made
+        given = _read_again(raw) if isinstance(raw, self.spec) else self.values(raw, source)
+        return self.spec(**given)
 
     def values(self, raw: Any, source: Source) -> dict[str, Any]:
         """Return the values of the fields that are given.
@@ -637,6 +641,17 @@ class Table(Key):
             "required": required,
             "additionalProperties": others,
         }
+
+
+def _read_again(table: Any) -> dict[str, Any]:
+    """Values of an object that differ from their defaults, checked, texts with units in SI."""
+    problems, values = Problems(), {}
+    for name, (key, declared) in keys_of(type(table)).items():
+        value = getattr(table, name)
+        if value is not declared.default:
+            values[name] = problems.of(name, key.read, value, _PYTHON)
+    problems.settle()
+    return values
 
 
 def _without_named(
@@ -762,7 +777,8 @@ class KeyTable:
     """Base of the frozen dataclasses that hold the keys of a case.
 
     Every construction, :func:`dataclasses.replace` included, checks each value along its
-    declaration before the table's own rules in ``__post_init__``.
+    declaration before the table's own rules in ``__post_init__``. A class of the physics whose
+    fields are keys is a plain dataclass: its values are checked where a case takes them.
     """
 
     def __init_subclass__(cls) -> None:
@@ -772,13 +788,8 @@ class KeyTable:
             return  # the base checks the values and its own rules
 
         def checked(self: Any) -> None:
-            problems = Problems()
-            for name, (key, declared) in keys_of(type(self)).items():
-                value = getattr(self, name)
-                if value is not declared.default:
-                    # a text with a unit becomes a number in SI units
-                    object.__setattr__(self, name, problems.of(name, key.read, value, _PYTHON))
-            problems.settle()
+            for name, value in _read_again(self).items():
+                object.__setattr__(self, name, value)
             if rules is not None:
                 rules(self)
 
@@ -852,6 +863,11 @@ def file_path(doc: str, *suffixes: str, default: Any = None, **instead: bool) ->
 def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:
     """Declare a sub-table read to the dataclass ``spec``."""
     return declare(Table(doc=doc, spec=spec), default)
+
+
+def is_table(value: object) -> bool:
+    """Whether an object holds keys."""
+    return is_dataclass(value) and bool(keys_of(type(value)))
 
 
 def keys_of(spec: type) -> dict[str, tuple[Key, Field[Any]]]:

@@ -297,6 +297,7 @@ def _drive(
             row[[col.BREAKAWAY, col.BREAKAWAY_SPEED]] = startup.torque, startup.speed
             row[col.ADDED_FRICTION] = startup.law == "additive"
             row[col.FROM_INTERFACES] = startup.law == "interfaces"
+            row[col.SEAL_RATIO] = startup.seal_ratio
     speed, load = condition.schedules
     row[[col.SPEED_KNOT, col.SPEED_KNOTS]] = tables.add(speed)
     row[[col.LOAD_KNOT, col.LOAD_KNOTS]] = tables.add(load)

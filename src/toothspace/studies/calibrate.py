@@ -13,6 +13,7 @@ from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Free,
+    Integer,
     KeyRuleError,
     KeyTable,
     Named,
@@ -20,6 +21,7 @@ from toothspace.core.keys import (
     declare,
     file_path,
     integer,
+    items,
     number,
 )
 from toothspace.core.status import Status
@@ -52,6 +54,13 @@ class CalibrateStudy(KeyTable):
         Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
     )
     hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
+    fit_rows: tuple[int, ...] | None = items(
+        Integer(low=1, high=10**6),
+        "Rows of steady points that are fitted, counted from 1, all others held out; a share of "
+        "the data if not given.",
+        low=1,
+        default=None,
+    )
     evaluation_count: int = integer(
         "Most sets of values that are tried.", low=2, high=10**6, default=200
     )
@@ -203,12 +212,31 @@ def scales_of(measured: Measured) -> dict[str, float]:
 def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str) -> Array:
     """Rows of the fit: the first ones of signals, a random choice of steady points."""
     rows = measured.rows
+    if study.fit_rows is not None:
+        return _chosen_rows(study.fit_rows, measured, keys, label)
     kept_out = min(round(study.hold_out * rows), rows - 1)
     order = np.arange(rows)
     if measured.times is None:
         order = np.random.default_rng(study.seed).permutation(rows)
     used = np.ones(rows, dtype=bool)
     used[order[rows - kept_out :]] = False
+    return _enough(used, measured, keys, label)
+
+
+def _chosen_rows(chosen: Sequence[int], measured: Measured, keys: int, label: str) -> Array:
+    """Steady points that the case names, counted from 1."""
+    if measured.times is not None:
+        allowed = "steady points, or hold_out for signals over time"
+        raise CaseError(f"{label}: study.fit_rows: found signals over time, allowed {allowed}")
+    if max(chosen) > measured.rows:
+        found = f"row {max(chosen)}"
+        raise CaseError(f"{label}: study.fit_rows: found {found}, allowed 1 to {measured.rows}")
+    used = np.zeros(measured.rows, dtype=bool)
+    used[np.array(chosen) - 1] = True
+    return _enough(used, measured, keys, label)
+
+
+def _enough(used: Array, measured: Measured, keys: int, label: str) -> Array:
     numbers = int(used.sum()) * len(measured.channels)
     if numbers < keys:
         found = f"{numbers} numbers for {keys} keys"

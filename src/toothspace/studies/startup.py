@@ -19,9 +19,9 @@ from toothspace.plotting.panels import StudyFigure, has_numbers
 from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
 from toothspace.studies.keys import SPEED
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record, failed_count
+from toothspace.studies.records import Record
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset, numbers_table
+from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,20 +110,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     plateaus = [from_si(speed, "rpm") for speed, _ in pairs]
     degrees = [math.degrees(angle) for _, angle in pairs]
     heads = {"plateau speed (rpm)": plateaus, "start angle (deg)": degrees}
-    numbers = {
-        "points": len(records),
-        "points_failed": failed_count(records),
-        "plateau_speed_rpm": plateaus,
-        "start_angle_deg": degrees,
-        **{name: [record.number(name) for record in records] for name, _ in COLUMNS},
-        "real_time_factor": [record.number("real_time_factor") for record in records],
-        "point_status": [r.status for r in records],
-    }
     axes = {"plateau_speed": (speeds, "rad/s"), "start_angle": (angles, "rad")}
     return StudyResult(
         status=status_of(records),
         data=map_dataset(axes, records),
-        numbers=numbers,
+        numbers=point_lists({"plateau_speed_rpm": plateaus, "start_angle_deg": degrees}, records),
         tables=(numbers_table("startup", heads, COLUMNS, records), _starting_torque(records)),
     )
 

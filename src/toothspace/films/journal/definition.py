@@ -9,10 +9,9 @@ import numpy as np
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
-from toothspace.films.journal.geometry import Groove, Lobes
+from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.numerics.banded import check_grid
 
 _CHOICES = {

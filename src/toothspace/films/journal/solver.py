@@ -10,10 +10,10 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
+from toothspace.films.definitions import Groove
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.geometry import (
     EndConditions,
-    Groove,
     JournalMesh,
     MotionState,
     SurfaceSpeed,
@@ -26,7 +26,13 @@ from toothspace.films.journal.geometry import (
 )
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
+from toothspace.films.reynolds.rough_surfaces import (
+    SMOOTH,
+    FlowLaw,
+    contact_field,
+    contact_table,
+    flow_law,
+)
 from toothspace.films.reynolds.state import FilmHistory, FilmProblem, FilmState, solve_state
 from toothspace.numerics.linear_system import PRESCRIBED
 
@@ -136,8 +142,8 @@ def _walls(
     if surfaces is None:
         return SMOOTH, None
     total = speed.shaft + speed.bush
-    law = surfaces.flow_law((speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
-    pressure, slope = contact_field(gap.centre, surfaces.roughness, surfaces.contact_table())
+    law = flow_law(surfaces, (speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
+    pressure, slope = contact_field(gap.centre, surfaces.roughness, contact_table(surfaces))
     return law, JournalContact(pressure, slope)
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
+from toothspace.films.reynolds.rough_surfaces import contact_field, contact_table
 from toothspace.films.reynolds.state import FilmHistory, FilmProblem, FilmState, solve_state
 from toothspace.numerics.linear_system import PRESCRIBED
 
@@ -170,7 +171,7 @@ class FaceSolution:
         if surfaces is None:
             return np.zeros_like(film.gap.centre), np.zeros_like(film.gap.centre)
         height = film.gap.centre + film.gap.step
-        values = contact_field(height, surfaces.roughness, surfaces.contact_table())
+        values = contact_field(height, surfaces.roughness, contact_table(surfaces))
         given = film.grid.mark == PRESCRIBED
         return np.where(given, 0.0, values[0]), np.where(given, 0.0, values[1])
 

@@ -10,9 +10,9 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, FilmFace
 from toothspace.model.lateral_load import chamber_pressures

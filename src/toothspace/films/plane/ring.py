@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
@@ -23,7 +24,7 @@ from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import (
     SMOOTH,
-    RoughSurfaces,
+    flow_law,
     refuse_deep_contact,
     wall_stress,
 )
@@ -160,7 +161,7 @@ class LateralFilm:
             self.fluid,
             self.cavitation_pressure,
             CAVITATION[self.cavitation],
-            SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+            SMOOTH if self.surfaces is None else flow_law(self.surfaces, 1.0),
             points=polar_points(angle, face_angle, radius, rim),
         )
 

@@ -33,7 +33,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
 )
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
 )
@@ -43,7 +43,7 @@ from toothspace.machines.shared_tables import (
     PortParameters,
     SideGapParameters,
 )
-from toothspace.model.description import BreakawayLaw, StartupFriction
+from toothspace.model.description import BreakawayLaw, RunningIn, StartupFriction
 
 _PORTS_AND_GROOVES = 330.0
 """Largest sum of both angles along a bore. [deg]"""
@@ -166,16 +166,6 @@ class DrivenGearParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class WearInParameters(KeyTable):
-    """``[machine.casing.wear_in]``: condition at which the gears cut into the casing."""
-
-    pressure: float = quantity("bar", "Pressure on the high-pressure side.", above=0, high=1000)
-    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
-    temperature: float = quantity("degC", "Fluid temperature.", low=-60, high=250)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class CasingParameters(KeyTable):
     """``[machine.casing]``: bores round the gears and their port edges."""
 
@@ -216,8 +206,8 @@ class CasingParameters(KeyTable):
         "Height of the section through a solid along the axis; default the middle of the teeth.",
         default=None,
     )
-    wear_in: WearInParameters | None = table(
-        WearInParameters, "Running-in condition; leave out for an unworn casing.", default=None
+    wear_in: RunningIn | None = table(
+        RunningIn, "Running-in condition; leave out for an unworn casing.", default=None
     )
 
     def __post_init__(self) -> None:
@@ -381,11 +371,19 @@ class StartupParameters(KeyTable):
     )
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
 
+    seal_rest_ratio: float | None = number(
+        "Friction of the shaft seal at rest over that in running; default 1.",
+        low=1,
+        high=20,
+        default=None,
+    )
+
     def __post_init__(self) -> None:
         if self.breakaway == "interfaces":
             forbid(self, 'with breakaway = "interfaces"', "breakaway_torque")
         else:
             require(self, 'unless breakaway = "interfaces"', "breakaway_torque")
+            forbid(self, 'without breakaway = "interfaces"', "seal_rest_ratio")
 
     @property
     def friction(self) -> StartupFriction | None:
@@ -393,7 +391,10 @@ class StartupParameters(KeyTable):
         if self.breakaway_torque == 0.0:
             return None
         return StartupFriction(
-            cast(BreakawayLaw, self.breakaway), self.breakaway_torque or 0.0, self.breakaway_speed
+            law=cast(BreakawayLaw, self.breakaway),
+            torque=self.breakaway_torque or 0.0,
+            speed=self.breakaway_speed,
+            seal_ratio=self.seal_rest_ratio or 1.0,
         )
 
 
@@ -440,6 +441,11 @@ class ExternalGearTables(MachineTables):
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside the gears floats."""
+        return self.floating_bearing is None
 
     @property
     def missing_floating_part(self) -> str:

@@ -13,14 +13,14 @@ import shapely.affinity
 from toothspace.core.errors import GeometryError
 from toothspace.gearing.numbering import Numbering
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_assembly import (
+from toothspace.machines.external_gear.floating.elastic_assembly import (
     ElasticAssembly,
     half_names,
     nose_outline,
     spring_share,
 )
-from toothspace.machines.external_gear.elastic_bodies import beside_cut
-from toothspace.machines.external_gear.films import FaceOfGear, film_face
+from toothspace.machines.external_gear.floating.elastic_bodies import beside_cut
+from toothspace.machines.external_gear.gear_faces import FaceOfGear, film_face
 from toothspace.machines.external_gear.loads import BODIES, bodies
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import (
@@ -210,9 +210,7 @@ def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
 
 def _housing(block: FloatingBlock, share: float) -> HousingContact:
     given = block.keys.housing
-    return HousingContact(
-        share * given.area, given.friction_coefficient, given.breakaway_speed, given.law
-    )
+    return replace(given, area=share * given.area)
 
 
 def _resultant(loads: Sequence[tuple[float, float, float]]) -> AxialForce:

@@ -13,7 +13,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.solid_file import SolidFile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_bodies import (
+from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
     BearingSide,
     MeshSize,
@@ -25,8 +25,8 @@ from toothspace.machines.external_gear.elastic_bodies import (
     waist,
     wall_direction,
 )
-from toothspace.machines.external_gear.films import FaceOfGear
-from toothspace.machines.external_gear.gear_flanks import GearFlanks
+from toothspace.machines.external_gear.floating.gear_flanks import GearFlanks
+from toothspace.machines.external_gear.gear_faces import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import BodyLoad, LoadSource
