@@ -12,8 +12,7 @@ from toothspace.case.overrides import CONDITIONS
 from toothspace.case.presets import PRESETS, Preset
 from toothspace.case.stand_alone import LateralFilmCase
 from toothspace.case.tables import CaseTables
-from toothspace.core.errors import CaseError
-from toothspace.core.keys import Problem
+from toothspace.core.errors import CaseError, Problem
 from toothspace.core.units import format_si
 from toothspace.model.operating_point import OperatingCondition
 
@@ -100,9 +99,8 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             if temperature != fluid.temperature:
                 fluid_law(fluid.source, temperature)
         except CaseError as error:
-            key, _, reason = str(error).partition(": found ")
-            found, _, allowed = reason.rpartition(", allowed ")
-            yield Problem(key if path == "fluid.temperature" else path, found, allowed)
+            problem = error.problems[0]
+            yield problem if path == "fluid.temperature" else problem._replace(key=path)
             return
     lowest = law.vapour_pressure
     allowed = f"above the vapour pressure of the fluid, {_bar(lowest)}, absolute"

@@ -15,7 +15,6 @@ from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import FrozenDict
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     Named,
     Row,
@@ -67,10 +66,10 @@ class Circuit(KeyTable):
         joined = [name for pair in self.connections for name in pair]
         for name in joined:
             if name not in allowed:
-                raise KeyRuleError("connections", repr(name), f"one of {', '.join(allowed)}")
+                raise CaseError("connections", repr(name), f"one of {', '.join(allowed)}")
         for name in fluid:
             if name not in joined:
-                raise KeyRuleError(name, "an element without connection", "an entry in connections")
+                raise CaseError(name, "an element without connection", "an entry in connections")
 
     @property
     def parts(self) -> Mapping[str, FluidPart]:
@@ -130,12 +129,13 @@ def _joints(circuit: Circuit) -> list[list[Place]]:
     for name, part in circuit.parts.items():
         if part.ends == 2 and seen.get(name, 0) < 2 and not part.draws_alone:
             raise CaseError(
-                f"circuit.connections: found one connection of {name!r}, "
-                "allowed two: its upstream end, then its downstream end"
+                "circuit.connections",
+                f"one connection of {name!r}",
+                "two: its upstream end, then its downstream end",
             )
     for port in ("machine.inlet", "machine.outlet"):
         if (port, 0) not in group:
-            raise CaseError(f"circuit.connections: found no {port}, allowed circuits that join it")
+            raise CaseError("circuit.connections", f"no {port}", "circuits that join it")
     return list({id(joined): joined for joined in group.values()}.values())
 
 
@@ -160,11 +160,11 @@ def _nodes_of(
     here = {place: parts[place[0]] for place in joined if place[0] in parts}
     tanks = [part for part in here.values() if isinstance(part, Tank)]
     if len(tanks) > 1:
-        raise CaseError("circuit.connections: found two tanks joined, allowed one tank per node")
+        raise CaseError("circuit.connections", "two tanks joined", "one tank per node")
     own = {place: place[0].removeprefix("machine.") for place in ports}
     if len(ports) > 1 and not tanks:
         found = [name for name, _ in ports]
-        raise CaseError(f"circuit.connections: found {found} joined, allowed one port per node")
+        raise CaseError("circuit.connections", f"{found} joined", "one port per node")
     name = own[ports[0]] if len(ports) == 1 else _name_of(here)
     if tanks:
         pressure = tanks[0].pressure
@@ -174,8 +174,9 @@ def _nodes_of(
         node = part.fill(node, fluid)
     if node.volume <= 0.0:
         raise CaseError(
-            f"circuit.connections: found nothing that holds fluid at {name!r}, "
-            "allowed a hose, volume, accumulator, tank or machine port at every joint"
+            "circuit.connections",
+            f"nothing that holds fluid at {name!r}",
+            "a hose, volume, accumulator, tank or machine port at every joint",
         )
     return dict.fromkeys(joined, node)
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.compiled import kernel
+from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     QuantityKey,
     Row,
@@ -47,7 +47,7 @@ def check_history(owner: Any, key: str) -> None:
     require(owner, f"unless {key}_file is given", key)
     times = [row[0] for row in rows]
     if any(later <= earlier for earlier, later in pairwise(times)):
-        raise KeyRuleError(key, f"times {times}", "times that increase")
+        raise CaseError(key, f"times {times}", "times that increase")
 
 
 def history(element: Any, name: str, unit: str) -> Array:

@@ -43,7 +43,6 @@ from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.compiled import kernel
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     choice,
     forbid,
@@ -204,9 +203,10 @@ class Line(KeyTable):
         liquid, given = liquid_modulus(fluid), self.effective_bulk_modulus
         if given is not None and given > liquid:
             raise CaseError(
-                f"{path}.effective_bulk_modulus: found {given / 1e9:.4g} GPa, allowed at most that "
-                f"of the liquid at its temperature, {liquid / 1e9:.4g} GPa; without the key the "
-                "wall is rigid"
+                f"{path}.effective_bulk_modulus",
+                f"{given / 1e9:.4g} GPa",
+                f"at most that of the liquid at its temperature, {liquid / 1e9:.4g} GPa; without "
+                "the key the wall is rigid",
             )
 
     def end_cell(self, node: CircuitNode, fluid: FluidLaw) -> CircuitNode:
@@ -321,9 +321,9 @@ class Hose(Line, FluidPart):
 
     def __post_init__(self) -> None:
         if self.carries_waves and self.wall_stiffening > 1.0:
-            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
+            raise CaseError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
         if self.wall_stiffening > 1.0 and self.effective_bulk_modulus is None and not self.has_wall:
-            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 of a rigid line")
+            raise CaseError("wall_stiffening", f"{self.wall_stiffening:g}", "1 of a rigid line")
         super().__post_init__()
 
     @property

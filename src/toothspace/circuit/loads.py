@@ -107,8 +107,9 @@ def shaft_of(parts: Iterable[Any]) -> FreeShaft | None:
     inertia = sum(part.inertia for part in parts if isinstance(part, (Fan, Inertia)))
     if coupling is not None and inertia <= 0.0:
         raise CaseError(
-            "circuit: found a coupling without inertia beyond it, allowed one with a fan or "
-            "an inertia above 0 kg m^2"
+            "circuit",
+            "a coupling without inertia beyond it",
+            "one with a fan or an inertia above 0 kg m^2",
         )
     return FreeShaft(
         inertia=inertia,
@@ -125,7 +126,7 @@ def speed_of(parts: Iterable[Any]) -> Array | None:
     parts = tuple(parts)
     source = _only(parts, SpeedSource, "speed sources")
     if source is not None and any(isinstance(part, Coupling) for part in parts):
-        raise CaseError("circuit: found a coupling and a speed source, allowed one of them")
+        raise CaseError("circuit", "a coupling and a speed source", "one of them")
     return None if source is None else source.speed_over_time
 
 
@@ -133,5 +134,5 @@ def _only(parts: Iterable[Any], kind: type, name: str) -> Any:
     """The only element of a kind, None where there is none."""
     found = [part for part in parts if isinstance(part, kind)]
     if len(found) > 1:
-        raise CaseError(f"circuit: found two {name}, allowed one")
+        raise CaseError("circuit", f"two {name}", "one")
     return found[0] if found else None

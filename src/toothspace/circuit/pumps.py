@@ -22,8 +22,8 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.compiled import kernel
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     file_path,
     forbid,
@@ -183,10 +183,10 @@ class PumpMap(SpeedHistory, FluidPart):
         forbid(self, "because rated_point is given", "table")
         if self.slip_coefficient > 0.0:
             allowed = "leave this key out because rated_point is given"
-            raise KeyRuleError("slip_coefficient", f"{self.slip_coefficient:g}", allowed)
+            raise CaseError("slip_coefficient", f"{self.slip_coefficient:g}", allowed)
         if self.slip < 0.0:
             found = f"a volumetric efficiency of {self.rated_point.volumetric_efficiency:g}"
-            raise KeyRuleError("rated_point", found, "one that volumetric_efficiency leaves")
+            raise CaseError("rated_point", found, "one that volumetric_efficiency leaves")
 
     @property
     def slip(self) -> float:

@@ -48,7 +48,7 @@ class Accumulator(Store):
     def fill(self, node: CircuitNode, fluid: FluidLaw) -> CircuitNode:
         """Add fluid and charge."""
         if node.gas_volume > 0.0:
-            raise CaseError("circuit.connections: found two accumulators joined, allowed one")
+            raise CaseError("circuit.connections", "two accumulators joined", "one")
         return replace(
             node.grown(self.fluid_volume),
             gas_volume=self.gas_volume,

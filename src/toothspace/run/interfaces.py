@@ -67,6 +67,6 @@ def interface_models(
         if name in tables or model not in offered:
             found = f"{model!r} with {'tables of these films' if name in tables else preset.name!r}"
             allowed = "no choice" if name in tables else " or ".join(map(repr, offered)) or "none"
-            raise CaseError(f"run.interfaces.{name}: found {found}, allowed {allowed}")
+            raise CaseError(f"run.interfaces.{name}", found, allowed)
         models[name] = model
     return models

@@ -14,7 +14,6 @@ from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Free,
     Integer,
-    KeyRuleError,
     KeyTable,
     Named,
     Row,
@@ -68,7 +67,7 @@ class CalibrateStudy(KeyTable):
 
     def __post_init__(self) -> None:
         if not self.fit:
-            raise KeyRuleError("fit", "nothing", "at least one key path with two bounds")
+            raise CaseError("fit", "nothing", "at least one key path with two bounds")
         for path, bounds in self.fit.items():
             check_span(dict(zip(("from", "to"), bounds, strict=True)), f"fit.{path}")
 
@@ -106,8 +105,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         first, last, duration = measured.times[0], measured.times[-1], case.circuit.duration
         if first < 0.0 or last > duration * (1.0 + 1e-9):
             raise CaseError(
-                f"{label}: study.data: found times from {first:g} s to {last:g} s, "
-                f"allowed 0 s to {duration:g} s"
+                f"{label}: study.data",
+                f"times from {first:g} s to {last:g} s",
+                f"0 s to {duration:g} s",
             )
     used = _used_rows(study, measured, len(axes), label)
     model = _Model(case, axes, measured, context, used, study.evaluation_count)
@@ -196,7 +196,7 @@ class _Model:
         unknown = [name for name in names if numbers is not None and name not in numbers]
         if unknown and numbers is not None:
             allowed = ", ".join(numbers)
-            raise CaseError(f"study.data: found the column {unknown[0]!r}, allowed {allowed}")
+            raise CaseError("study.data", f"the column {unknown[0]!r}", allowed)
         return names
 
 
@@ -227,10 +227,10 @@ def _chosen_rows(chosen: Sequence[int], measured: Measured, keys: int, label: st
     """Steady points that the case names, counted from 1."""
     if measured.times is not None:
         allowed = "steady points, or hold_out for signals over time"
-        raise CaseError(f"{label}: study.fit_rows: found signals over time, allowed {allowed}")
+        raise CaseError(f"{label}: study.fit_rows", "signals over time", allowed)
     if max(chosen) > measured.rows:
         found = f"row {max(chosen)}"
-        raise CaseError(f"{label}: study.fit_rows: found {found}, allowed 1 to {measured.rows}")
+        raise CaseError(f"{label}: study.fit_rows", found, f"1 to {measured.rows}")
     used = np.zeros(measured.rows, dtype=bool)
     used[np.array(chosen) - 1] = True
     return _enough(used, measured, keys, label)
@@ -240,7 +240,7 @@ def _enough(used: Array, measured: Measured, keys: int, label: str) -> Array:
     numbers = int(used.sum()) * len(measured.channels)
     if numbers < keys:
         found = f"{numbers} numbers for {keys} keys"
-        raise CaseError(f"{label}: study.data: found {found}, allowed at least as many as keys")
+        raise CaseError(f"{label}: study.data", found, "at least as many as keys")
     return used
 
 
