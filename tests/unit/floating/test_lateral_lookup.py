@@ -17,7 +17,7 @@ from toothspace.case import load_case
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import FILM_FORCE, FLOW, HEIGHT, MOTION_RATIO, SystemArrays
-from toothspace.model.assembly import assemble
+from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import (
     load_period,
@@ -42,7 +42,6 @@ from toothspace.results.solution import Solution
 from toothspace.run import run as run_module
 from toothspace.run.run import Run
 from toothspace.run.seats import SeatSearch
-from toothspace.solver.accuracy import Assembled
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 
@@ -285,7 +284,7 @@ def _seated(
     """Run whose gaps leak by a factor that follows the one of the seats, and the latter's."""
     seats: list[float] = []
 
-    def march(machine: Assembled, *_: object) -> SimpleNamespace:
+    def march(machine: System, *_: object) -> SimpleNamespace:
         assert machine.description.lateral_table is not None
         seat = machine.description.lateral_table.seat_factor
         return SimpleNamespace(status=Status.DONE, seat=seat)
