@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.case import Case, load_case
-from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.fingerprint import cached_by_hash
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -60,7 +60,7 @@ def describe(case: AnyCase) -> MachineDescription:
     if spec is None:
         raise CaseError("machine", "none", "a case with a [machine] table")
     make = partial(machine_type(name).describe, spec)
-    return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
+    return cached_by_hash(_machines, _KEPT_MACHINES, make, name, spec)
 
 
 def prepare(case: Case) -> Run:

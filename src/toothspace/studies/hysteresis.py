@@ -112,7 +112,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     curves = friction_curves(housing_contact(spec), highest)
     if measured is None:
         return study.result(numbers, curves)
-    beside = lay_over(measured, spec.sensor_deflection or 0.0)
+    beside = overlay(measured, spec.sensor_deflection or 0.0)
     numbers |= _deviations(study, beside)
     return study.result(numbers, beside.merge(curves))
 
@@ -186,7 +186,7 @@ def read_positions(path: Path) -> tuple[Array, Array]:
     return np.array(pressure), found.channels[_POSITION] * 1e-6
 
 
-def lay_over(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
+def overlay(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
     """Measured positions over ``measured_point``, corrected for a sensor that moves.
 
     Parameters
