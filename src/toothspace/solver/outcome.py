@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.circuit.network import END_A, END_B, PORT_NODES
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
@@ -16,7 +17,7 @@ from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
-from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
     LEAKAGES,
@@ -359,8 +360,8 @@ def _leaving(system: System, seen: Observation, node: int) -> Array:
     arrays = system.arrays
     flow = np.zeros(seen.path_flow.shape[0])
     for j, element in enumerate(arrays.elements):
-        flow += seen.element_flow[:, j] * (element[col.ELEMENT_A] == node)
-        flow -= seen.element_flow[:, j] * (element[col.ELEMENT_B] == node)
+        flow += seen.element_flow[:, j] * (element[END_A] == node)
+        flow -= seen.element_flow[:, j] * (element[END_B] == node)
     for j, index in enumerate(arrays.path_index):
         if system.categories[index[col.CATEGORY]].role in ("circuit", "load"):
             flow += seen.path_flow[:, j] * (index[col.NODE_A] == node)

@@ -402,7 +402,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers["loop_area_um_bar"] = loop_area(found) * 1e6 * 1e-5
     beside = xr.Dataset()
     if measured is not None:
-        beside = lay_over(measured, study.sensor_deflection or 0.0)
+        beside = overlay(measured, study.sensor_deflection or 0.0)
         numbers |= _deviations(found, beside)
     if study.contact is not None:
         highest = max(point.breakaway_force for point in found.points)
@@ -524,7 +524,7 @@ def read_positions(path: Path) -> tuple[Array, Array]:
     return np.array(pressure), found.channels[_POSITION] * 1e-6
 
 
-def lay_over(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
+def overlay(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
     """Measured positions over ``measured_point``, corrected for a sensor that moves.
 
     Parameters
