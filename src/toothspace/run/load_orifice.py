@@ -16,7 +16,7 @@ from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_r
 
 _LOAD_ROUNDS = 4
 _LOAD_SETTLED = 1e-2
-_EVERY = 16
+_EVERY = 32
 """Every so many of the dense states count to the mean pressure."""
 _LOAD_MATCH = 2e-3
 _WITHOUT_LEAKAGE = 0.5
