@@ -40,18 +40,18 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
-        "*/heat_network.py", "simulation/heating.py", "floating/heat.py",
+        "*/heat_network.py", "run/heating.py", "floating/heat.py",
         "closures/heat*",
     ),
     "losses by cause, ripple of the source, lines": (
         "results/ledger.py", "results/ripple.py", "results/performance.py",
-        "studies/source_ripple.py", "plotting/source_figures.py",
+        "studies/source_ripple.py",
     ),
     "notebooks, command line, report": (
         "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
-        "advice/trapping.py", "machines/external_gear/elastic_assembly.py",
+        "advice/trapping.py", "machines/external_gear/floating/elastic_assembly.py",
     ),
     "mixing, roots, splines, second core": (
         *(f"numerics/{name}.py" for name in ("acceleration", "parallel", "roots", "spline")),

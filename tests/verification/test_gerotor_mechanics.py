@@ -14,7 +14,7 @@ from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import available_figures
 from toothspace.results.solution import Solution
-from toothspace.results.tooth_contacts import contact_azimuth, tooth_forces
+from toothspace.results.tooth_contacts import contact_azimuth
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 FIXED = ("operating_point.outlet_load=fixed_pressure", "run.samples_per_revolution=360")
@@ -51,31 +51,37 @@ def contact_sums(description: MachineDescription, solution: Solution) -> Array:
 def test_contacts_film_and_pressure_hold_the_outer_rotor(
     multiple: tuple[MachineDescription, Solution],
 ) -> None:
-    """Friction of the contacts, which the sums leave out, is below a tenth of their force."""
+    """Friction of the contacts, which the sums leave out, is a tenth of their forces at most."""
     description, solution = multiple
     contact = contact_sums(description, solution)
     total = outer(solution, "body_force") + outer(solution, "journal_force")
     size = np.hypot(contact[0], contact[1])
     assert size > 50.0
-    assert np.abs(total[:2] + contact[:2]).max() < 0.1 * size
+    normal = float(np.asarray(solution.data["contact_force"])[:-1].sum(axis=1).mean())
+    assert np.abs(total[:2] + contact[:2]).max() < 0.1 * normal
 
 
 def test_contacts_turn_the_outer_rotor_against_the_pressures(
     multiple: tuple[MachineDescription, Solution],
 ) -> None:
-    """What the pressures do not take is the drag of films and contacts on the outer rotor."""
+    """What the pressures do not take is drag of films, and friction of lobes up to 22 mm away."""
     description, solution = multiple
     moment = contact_sums(description, solution)[2]
     rest = moment + float(outer(solution, "body_moment"))
     losses = float(np.asarray(solution.data["torque_loss"]).mean(axis=0).sum())
-    assert moment > 1.0
-    assert 0.0 < rest < losses * 7.0 / 6.0
+    normal = float(np.asarray(solution.data["contact_force"])[:-1].sum(axis=1).mean())
+    friction = 0.1 * normal * 22e-3
+    assert moment > 0.9
+    assert -friction < rest < losses * 7.0 / 6.0 + friction
 
 
 def test_gaps_of_contacts_that_carry_are_those_of_the_displaced_outlines(
     multiple: tuple[MachineDescription, Solution],
 ) -> None:
-    """First order about the nominal place is off by 10 um here, where a tooth comes into mesh."""
+    """First order about the nominal place is off by 10 um, where a tooth comes into mesh.
+
+    Lobes that only squeeze out oil in a groove are left out: there the nearest place wanders.
+    """
     description, solution = multiple
     rotors = rotors_from(api.load_case(CASE, FIXED).machine.rotors)
     data = solution.data.sel(body="outer_rotor")
@@ -91,7 +97,7 @@ def test_gaps_of_contacts_that_carry_are_those_of_the_displaced_outlines(
     )
     outline = rotors.outer_curve.point(np.linspace(0.0, rotors.outer_curve.length, 30000))
     inner, worst = rotors.inner_curve, 0.0
-    for k, j in np.argwhere(force[:60] > 1.0):
+    for k, j in np.argwhere((force[:60] > 1.0) & (gap[:60] < 1e-6)):
         moved = turned(outline, np.asarray(angle[k] * 6.0 / 7.0 + turn[k])) + shift[k]
         beyond = np.arctan2(moved[:, 1], moved[:, 0]) - 0.5 * np.pi - azimuth[k, j]
         near = moved[np.abs(np.angle(np.exp(1j * beyond))) < np.radians(4.0)]
@@ -111,19 +117,19 @@ def test_ledgers_close(multiple: tuple[MachineDescription, Solution]) -> None:
 
 
 def test_every_tooth_carries_in_its_turn(multiple: tuple[MachineDescription, Solution]) -> None:
-    """All teeth alike, on the side where the inner rotor drives.
+    """All teeth alike: one on the side where the inner rotor drives, one at the largest pocket.
 
-    None for 4 % of the turn: while a pocket passes the land the pressures turn the outer rotor
-    forward, by 0.14 N m, and it leaves the driving tooth by 0.6 um.
+    There the film round the rotor, too weak for the pressures, leaves it on the lobes.
     """
-    description, solution = multiple
-    found = tooth_forces(solution.data, description)
+    found = multiple[1].tooth_contacts()
     peaks = found.force.max(axis=0)
     assert np.all(peaks > 0.5 * peaks.max())
-    assert np.mean(found.loaded() == 0) < 0.06
+    assert np.mean(found.loaded == 0) < 0.06
     carrying = found.place[found.force > 0.1 * found.mean_total]
-    # from the largest pocket round to the smallest and on: the pumping side is the first half
-    assert np.all(np.sin(carrying) < 0.0)
+    # from the largest pocket in the sense of rotation; the pumping side is the second half
+    beyond = np.angle(np.exp(1j * carrying))
+    assert beyond.min() < np.radians(-60.0)
+    assert np.radians(20.0) < beyond.max() < np.radians(45.0)
 
 
 @pytest.mark.parametrize("law", ["johnson", "pereira"])
@@ -155,9 +161,9 @@ def test_single_contact_theory_hands_over_once_a_pitch(
     multiple: tuple[MachineDescription, Solution],
 ) -> None:
     description, solution = solved("machine.contact.theory=single")
-    found = tooth_forces(solution.data, description)
+    found = solution.tooth_contacts()
     assert [pair.name for pair in description.contacts] == ["lobe_0"]
-    assert found.span() == pytest.approx(1.0, abs=0.05)
+    assert found.span == pytest.approx(1.0, abs=0.05)
     moments = [contact_sums(d, s)[2] for d, s in (multiple, (description, solution))]
     assert moments[1] == pytest.approx(moments[0], rel=0.04)
 

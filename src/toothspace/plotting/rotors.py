@@ -21,7 +21,7 @@ from toothspace.plotting.style import (
 from toothspace.plotting.windows import one_chamber
 from toothspace.results.ripple import high_pass, wave, whole_revolutions
 from toothspace.results.solution import Solution
-from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
+from toothspace.results.tooth_contacts import LOADED_SHARE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,9 +53,9 @@ def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
 
 
 @styled
-def tooth_contact_forces(solution: Solution, description: MachineDescription) -> Figure:
+def tooth_contact_forces(solution: Solution) -> Figure:
     """Contact force of every tooth over the shaft angle, and how many teeth are loaded."""
-    found = tooth_forces(solution.data, description)
+    found = solution.tooth_contacts()
     angle = np.asarray(solution.data["shaft_angle"])
     degrees = np.degrees(angle - angle[0])
     figure = new_figure(7.2, 4.2)
@@ -66,7 +66,7 @@ def tooth_contact_forces(solution: Solution, description: MachineDescription) ->
     force.plot(degrees, found.force.sum(axis=1), color=GREY, linestyle="--", label="sum")
     force.set(ylabel="Contact force (N)", title="Contact force of the outer rotor's teeth")
     force.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, fontsize=7.5)
-    loaded = found.loaded()
+    loaded = found.loaded
     count.fill_between(degrees, loaded, step="mid", color=BLUE, alpha=0.35, linewidth=0.0)
     count.set_ylabel("Loaded teeth (-)")
     count.set_yticks(range(int(loaded.max()) + 2))
@@ -75,9 +75,9 @@ def tooth_contact_forces(solution: Solution, description: MachineDescription) ->
 
 
 @styled
-def contact_span(solution: Solution, description: MachineDescription) -> Figure:
+def contact_span(solution: Solution) -> Figure:
     """Contact force over the place of a tooth, with the pitch of single-contact theory."""
-    found = tooth_forces(solution.data, description)
+    found = solution.tooth_contacts()
     figure = new_figure(5.6, 4.6)
     axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
     axes.set_theta_zero_location("N")
@@ -96,7 +96,7 @@ def contact_span(solution: Solution, description: MachineDescription) -> Figure:
     axes.plot(arc, radius, color=ORANGE, linewidth=3.0, label="one pitch")
     axes.plot([], [], color=BLUE, linewidth=5.0, label="contact force (N)")
     axes.set_ylim(0.0, 1.25 * float(mean.max()) or 1.0)
-    axes.set_title(f"Loaded over {found.span():.2f} pitches")
+    axes.set_title(f"Loaded over {found.span:.2f} pitches")
     axes.set_rlabel_position(np.degrees(center) + 180.0)
     axes.set_xticks(np.radians(range(0, 360, 45)))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.18), ncols=2)

@@ -19,6 +19,7 @@ from toothspace.results import performance
 from toothspace.results.events import Event
 from toothspace.results.ledger import Ledger
 from toothspace.results.startup import startup_numbers
+from toothspace.results.tooth_contacts import ToothContacts, contact_numbers, tooth_contacts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,7 +94,18 @@ class Solution:
         else:
             numbers = performance.summary_numbers(self.data, self.ledger)
             numbers |= performance.lateral_numbers(self.data, self.statistics)
+            numbers |= contact_numbers(self.data)
         return {**numbers, "status": self.status.name.lower(), "wall_time_s": wall}
+
+    def tooth_contacts(self) -> ToothContacts:
+        """Contacts of the teeth of a gerotor: ``loaded`` at each sample, ``span`` in pitches.
+
+        Raises
+        ------
+        ToothspaceError
+            If the machine has no rotors, or the preset no contacts.
+        """
+        return tooth_contacts(self.data)
 
     @property
     def breakaway_time(self) -> float:
@@ -247,7 +259,7 @@ class Figures:
         entries = self._entries
         if name not in entries:
             allowed = ", ".join(entries)
-            raise CaseError(f"figure: found {name!r}, allowed for this result {allowed}")
+            raise CaseError("figure", f"{name!r}", f"for this result {allowed}")
         figure: Figure = entries[name].draw(self.solution, self.solution.description)
         return figure
 

@@ -18,7 +18,8 @@ STEADY = (
     "inlet_temperature_degC", "outlet_temperature_degC", "drain_temperature_degC",
     "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
     "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
-    "bearing_position_um", *LATERAL,
+    "bearing_position_um", "loaded_contacts_two_or_more", "loaded_contacts_three_or_more",
+    "contact_span", *LATERAL,
 )  # fmt: skip
 """Of a run at an operating point; films add some."""
 OVER_TIME = (
@@ -83,6 +84,4 @@ def require_known(wanted: Mapping[str, str], label: str, *, over_time: bool) -> 
     for key, name in wanted.items():
         if name not in known and (over_time or not name.startswith(BY_LABEL)):
             allowed = suggestion(name, known)
-            raise CaseError(
-                f"{label}: {key}: found {name!r}, which is no result, allowed {allowed}"
-            )
+            raise CaseError(f"{key}", f"{name!r}, which is no result", allowed).in_file(label)

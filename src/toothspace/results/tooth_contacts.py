@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.core.errors import ToothspaceError
 from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import MachineDescription
@@ -26,11 +27,11 @@ LOADED_SHARE = 0.01
 
 @final
 @dataclass(frozen=True)
-class ToothForces:
+class ToothContacts:
     """Contact forces of the teeth of a body."""
 
     force: Array
-    """Sum of the contact forces on each tooth. Shape (samples, teeth). [N]"""
+    """Sum of the forces of contacts that touch on each tooth. Shape (samples, teeth). [N]"""
     place: Array
     """Angle of each tooth from the largest pocket, in the sense of rotation. Shape (samples,
     teeth). [rad]
@@ -41,16 +42,55 @@ class ToothForces:
         """Mean of the sum of all forces. [N]."""
         return float(np.mean(np.sum(self.force, axis=1)))
 
-    def loaded(self, share: float = LOADED_SHARE) -> IntArray:
-        """Return how many teeth carry more than a share of the mean total force."""
-        return np.asarray(np.count_nonzero(self.force > share * self.mean_total, axis=1))
+    @property
+    def loaded(self) -> IntArray:
+        """Number of loaded teeth at each sample. [-]."""
+        return self.loaded_above(LOADED_SHARE)
 
-    def span(self, share: float = LOADED_SHARE) -> float:
-        """Return the part of its turn in which a tooth is loaded, in pitches. [-].
+    @property
+    def span(self) -> float:
+        """Part of its turn in which a tooth is loaded, in pitches. [-].
 
         One pitch is the span of single-contact theory: one tooth after the other.
         """
-        return float(np.mean(self.loaded(share)))
+        return self.span_above(LOADED_SHARE)
+
+    def loaded_above(self, share: float) -> IntArray:
+        """Return how many teeth carry more than a share of the mean total force."""
+        return np.asarray(np.count_nonzero(self.force > share * self.mean_total, axis=1))
+
+    def span_above(self, share: float) -> float:
+        """Return the span of contact at another share of the mean total force. [pitches]."""
+        return float(np.mean(self.loaded_above(share)))
+
+
+def tooth_contacts(data: xr.Dataset) -> ToothContacts:
+    """Contacts of the teeth at the samples of a result.
+
+    Raises
+    ------
+    ToothspaceError
+        If the result has none.
+    """
+    if "tooth_force" not in data:
+        machine, allowed = (
+            data.attrs.get("machine", "unknown"),
+            "allowed rotors, by lumped or films",
+        )
+        raise ToothspaceError(f"tooth_contacts: found a result of machine {machine}, {allowed}")
+    return ToothContacts(np.asarray(data["tooth_force"]), np.asarray(data["tooth_place"]))
+
+
+def contact_numbers(data: xr.Dataset) -> dict[str, float]:
+    """Parts of the turn with two and with three teeth loaded, and the span of contact."""
+    if "tooth_force" not in data:
+        return {}
+    found = tooth_contacts(data)
+    return {
+        "loaded_contacts_two_or_more": float(np.mean(found.loaded >= 2)),
+        "loaded_contacts_three_or_more": float(np.mean(found.loaded >= 3)),
+        "contact_span": found.span,
+    }
 
 
 def has_tooth_contacts(description: MachineDescription) -> bool:
@@ -59,19 +99,30 @@ def has_tooth_contacts(description: MachineDescription) -> bool:
     return len(bodies) == 1 and description.mesh is None
 
 
-def tooth_forces(data: xr.Dataset, description: MachineDescription) -> ToothForces:
-    """Assign the contact forces of a result to the teeth of the outer body.
+def tooth_forces(
+    angle: Array, contact_force: Array, contact_gap: Array, description: MachineDescription
+) -> tuple[Array, Array]:
+    """Assign the forces of contacts that touch to the teeth of the outer body.
+
+    Oil that is squeezed out between lobes which come closer does not count.
 
     Parameters
     ----------
-    data : xarray.Dataset
-        Result with ``contact_force``.
+    angle : ndarray
+        Shaft angles. Shape (samples,). [rad]
+    contact_force : ndarray
+        Normal forces. Shape (samples, contacts). [N]
+    contact_gap : ndarray
+        Gaps; surfaces touch where asperities begin to carry. [m]
     description : MachineDescription
         Machine whose contacts have one outer body about the origin, with a tooth at plus y at
         shaft angle zero and as many teeth as its first family has chambers.
+
+    Returns
+    -------
+    force, place : ndarray
+        As in :class:`ToothContacts`. [N], [rad]
     """
-    angle = np.asarray(data["shaft_angle"])
-    force = np.asarray(data["contact_force"])
     teeth = description.families[0].count
     body = description.bodies[description.body_index(description.contacts[0].body_b)]
     turned = body.speed_ratio * angle[:, None]
@@ -79,12 +130,14 @@ def tooth_forces(data: xr.Dataset, description: MachineDescription) -> ToothForc
     found = np.zeros((angle.size, teeth))
     column = 0
     for pair in description.contacts:
+        reach = pair.roughness if pair.onset is None else pair.onset
         for phase in pair.phases:
             beyond = contact_azimuth(description, pair, angle, float(phase)) - turned[:, 0]
             tooth = np.mod(np.round(beyond * teeth / (2.0 * np.pi)), teeth).astype(int)
-            found[np.arange(angle.size), tooth] += force[:, column]
+            touching = contact_gap[:, column] < reach
+            found[np.arange(angle.size), tooth] += np.where(touching, contact_force[:, column], 0.0)
             column += 1
-    return ToothForces(found, np.mod(place, 2.0 * np.pi))
+    return found, np.mod(place, 2.0 * np.pi)
 
 
 def contact_azimuth(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.circuit.network import END_A, END_B, PORT_NODES
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
@@ -16,7 +17,7 @@ from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
-from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
     LEAKAGES,
@@ -28,6 +29,7 @@ from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.performance import collapse_power, lost_flow_of
 from toothspace.results.ripple import PORTS
 from toothspace.results.solution import Solution
+from toothspace.results.tooth_contacts import has_tooth_contacts, tooth_forces
 from toothspace.results.variables import LABELS, WAVES, dataset_from
 from toothspace.solver.compiled_model import (
     Observation,
@@ -62,6 +64,7 @@ def solution_from(
     samples, close = looks_at(history)
     seen, kinds = samples.seen, leakage_categories(system)
     ports, own = port_values(history, seen), system.arrays.chambers
+    bodies = body_values(history, seen)
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
     ledger = window_ledger(history).with_trapping(close.trapped_losses())
     constants = constants_of(system, ports)
@@ -74,7 +77,7 @@ def solution_from(
         "chamber_volume": seen.volume[:, : system.arrays.size.chambers],
         "chamber_angle": np.mod(angle, 2.0 * np.pi),
         "opening_area": samples.openings,
-        **body_values(history, seen),
+        **bodies,
         **loss_values(history, seen),
         **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
@@ -86,17 +89,17 @@ def solution_from(
         # at the shaft, of walls that drag fluid to higher pressure
         "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
         **_dense_values(history, close),
+        **_teeth(system.description, history.states[:, 0], bodies),
         **extra,
     }
     motor = system.description.mode == "motor"
     density, displacement = float(constants["inlet_density"]), system.description.displacement
     parts = lost_flow_parts(close, lost_flow_of(ledger, density, displacement, motor=motor))
     values["lost_flow"] = np.array(list(parts.values()))
-    data = dataset_from(
-        values,
-        {**labels_of(system), "flow_part": list(parts)},
-        attributes=attributes_of(system.description, title),
-    )
+    labels = {**labels_of(system), "flow_part": list(parts)}
+    if "tooth_force" in values:
+        labels["tooth"] = [f"tooth_{k}" for k in range(values["tooth_force"].shape[1])]
+    data = dataset_from(values, labels, attributes=attributes_of(system.description, title))
     return Solution(
         status=history.status,
         data=data,
@@ -105,6 +108,17 @@ def solution_from(
         provenance=provenance,
         events=history.events,
     )
+
+
+def _teeth(
+    description: MachineDescription, angle: Array, bodies: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Contact forces by tooth and where the teeth are; empty for gears."""
+    if not has_tooth_contacts(description):
+        return {}
+    contacts = bodies["contact_force"], bodies["contact_gap"]
+    force, place = tooth_forces(angle, *contacts, description)
+    return {"tooth_force": force, "tooth_place": place}
 
 
 def _dense_values(history: History, close: Look) -> dict[str, Array]:
@@ -347,8 +361,8 @@ def _leaving(system: System, seen: Observation, node: int) -> Array:
     arrays = system.arrays
     flow = np.zeros(seen.path_flow.shape[0])
     for j, element in enumerate(arrays.elements):
-        flow += seen.element_flow[:, j] * (element[col.ELEMENT_A] == node)
-        flow -= seen.element_flow[:, j] * (element[col.ELEMENT_B] == node)
+        flow += seen.element_flow[:, j] * (element[END_A] == node)
+        flow -= seen.element_flow[:, j] * (element[END_B] == node)
     for j, index in enumerate(arrays.path_index):
         if system.categories[index[col.CATEGORY]].role in ("circuit", "load"):
             flow += seen.path_flow[:, j] * (index[col.NODE_A] == node)

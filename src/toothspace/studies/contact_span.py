@@ -27,9 +27,9 @@ from toothspace.results.solution import Solution
 from toothspace.studies.keys import PRESSURE
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import collected, operating_values, point, status_of
-from toothspace.studies.records import Record, failed_count
+from toothspace.studies.records import Record
 from toothspace.studies.study import Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import columns, numbers_table, record_arrays
+from toothspace.studies.tabulate import numbers_table, point_lists, record_arrays
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,17 +145,16 @@ class ContactNumbers:
     def __call__(self, case: Case) -> Mapping[str, Any]:
         """Span, teeth loaded, forces and torques beside the summary numbers."""
         from toothspace import api
-        from toothspace.results.tooth_contacts import tooth_forces
 
         solution = api.simulate(case)
-        found = tooth_forces(solution.data, api.describe(case))
-        loaded = found.loaded(self.share)
+        found = solution.tooth_contacts()
+        loaded = found.loaded_above(self.share)
         mechanisms = [str(name) for name in solution.data["mechanism"].values]
         means = np.asarray(solution.data["torque_loss"]).mean(axis=0)
         losses = dict(zip(mechanisms, means, strict=True))
         contact = losses.pop(_MECHANISM)
         return {
-            "span_pitches": found.span(self.share),
+            "span_pitches": found.span_above(self.share),
             "least_teeth_loaded": int(loaded.min()),
             "most_teeth_loaded": int(loaded.max()),
             "mean_contact_force_N": found.mean_total,
@@ -171,13 +170,12 @@ def _waveforms(case: Case) -> xr.Dataset:
     import xarray as xr
 
     from toothspace import api
-    from toothspace.results.tooth_contacts import tooth_forces
 
     complete = api.simulate(case.at_point({}))
     ideal = api.simulate(case.at_point({"run.fidelity": "ideal"}))
     single = api.simulate(case.at_point({_THEORY: "single"}))
     angle = _last_turn(complete)
-    found = tooth_forces(complete.data, api.describe(case))
+    found = complete.tooth_contacts()
     friction = np.asarray(complete.data["torque_loss"].sel(mechanism=_MECHANISM))
     torque = np.asarray(complete.data["shaft_torque"])
     torques = {
@@ -206,11 +204,11 @@ def _measured(path: Path, shaft_speed: float) -> xr.Dataset:
 
     found = read_measured(path)
     if found.times is None:
-        raise CaseError(f"{path}: columns: found no time, allowed signals over 'time [s]'")
+        raise CaseError(f"{path}: columns", "no time", "signals over 'time [s]'")
     channels = dict(found.channels)
     angle = channels.pop("shaft_angle", shaft_speed * found.times)
     if angle[-1] - angle[0] < 2.0 * np.pi:
-        raise CaseError(f"{path}: time: found less than a turn, allowed whole revolutions")
+        raise CaseError(f"{path}: time", "less than a turn", "whole revolutions")
     return xr.Dataset(
         {f"measured_{name}": ("measured_sample", values) for name, values in channels.items()}
         | {"measured_angle": ("measured_sample", angle, {"units": "rad"})}
@@ -242,16 +240,11 @@ def _numbers(
         f"mean_{name}_N_m": float(waveforms["mean_torque"].sel(stage=name))
         for name in waveforms["stage"].values
     }
-    found = columns(records)
-    return {
-        **means,
-        "points": len(records),
-        "points_failed": failed_count(records),
+    values = {
         "tip_clearance_um": [1e6 * clearance for clearance, _ in pairs],
         "pressure_difference_bar": [1e-5 * difference for _, difference in pairs],
-        **{name: found[name] for name, _ in _NUMBERS if name in found},
-        "point_status": [r.status for r in records],
     }
+    return {**means, **point_lists(values, records)}
 
 
 TORQUE_STAGES = (

@@ -8,17 +8,7 @@ from typing import final
 
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import (
-    KeyRuleError,
-    KeyTable,
-    Number,
-    Table,
-    choice,
-    items,
-    number,
-    quantity,
-    text,
-)
+from toothspace.core.keys import KeyTable, Number, Table, choice, items, number, quantity, text
 from toothspace.core.progress import tell
 from toothspace.plotting.lateral_figures import nose_figures
 from toothspace.studies.lateral_points import LateralStudy, PointCondition, housing_contact, prepare
@@ -65,7 +55,7 @@ class NosePressureStudy(KeyTable):
         names = [one.name for one in self.conditions]
         twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
         if twice is not None:
-            raise KeyRuleError("conditions", f"{twice!r} twice", "a name of its own for each")
+            raise CaseError("conditions", f"{twice!r} twice", "a name of its own for each")
 
     def port_pressures(self, inlet: float) -> list[tuple[str, float, float]]:
         """Return keys of pressures with the inlet and outlet pressure that they ask for. [Pa]."""
@@ -123,13 +113,14 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     """
     study = case.study
     if not isinstance(study, NosePressureStudy):
-        raise CaseError('study.kind: found another study, allowed "nose_pressure"')
+        raise CaseError("study.kind", "another study", '"nose_pressure"')
     friction = housing_contact(study)
     points = prepare(case, friction, "nose_pressure")
     if points.balance.floating.nose.area <= 0.0:
         raise CaseError(
-            "study.kind: found 'nose_pressure' for a floating part without nose, allowed one with "
-            "a nose (area and center)"
+            "study.kind",
+            "'nose_pressure' for a floating part without nose",
+            "one with a nose (area and center)",
         )
     context, shared = context or StudyContext(), (study.start_gap, friction)
     every = [_conditions(case, one, study.nose_pressure_fractions) for one in study.conditions]

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.circuit import PumpMap
-from toothspace.case.plumbing import history
+from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, grid, integer
 from toothspace.core.units import from_si
@@ -20,9 +19,9 @@ from toothspace.plotting.panels import StudyFigure, has_numbers
 from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
 from toothspace.studies.keys import SPEED
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record, failed_count
+from toothspace.studies.records import Record
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset, numbers_table
+from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,11 +83,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pumps = {name: pump for name, pump in elements.items() if isinstance(pump, PumpMap)}
     if not pumps:
         found = "no [circuit] with a pump_map"
-        raise CaseError(
-            f"{case.source}: study.kind: found {found}, allowed a circuit with a supply"
-        )
+        raise CaseError("study.kind", found, "a circuit with a supply").in_file(str(case.source))
     name, pump = next(iter(pumps.items()))
-    supply = history(pump, "speed", "rpm")
+    supply = pump.speed_over_time
     speeds = study.plateau_speed or (float(supply[:, 1].max()),)
     pitch = 2.0 * math.pi / api.describe(case).families[0].count
     angles = [k * pitch / study.start_angle_count for k in range(study.start_angle_count)]
@@ -111,20 +108,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     plateaus = [from_si(speed, "rpm") for speed, _ in pairs]
     degrees = [math.degrees(angle) for _, angle in pairs]
     heads = {"plateau speed (rpm)": plateaus, "start angle (deg)": degrees}
-    numbers = {
-        "points": len(records),
-        "points_failed": failed_count(records),
-        "plateau_speed_rpm": plateaus,
-        "start_angle_deg": degrees,
-        **{name: [record.number(name) for record in records] for name, _ in COLUMNS},
-        "real_time_factor": [record.number("real_time_factor") for record in records],
-        "point_status": [r.status for r in records],
-    }
     axes = {"plateau_speed": (speeds, "rad/s"), "start_angle": (angles, "rad")}
     return StudyResult(
         status=status_of(records),
         data=map_dataset(axes, records),
-        numbers=numbers,
+        numbers=point_lists({"plateau_speed_rpm": plateaus, "start_angle_deg": degrees}, records),
         tables=(numbers_table("startup", heads, COLUMNS, records), _starting_torque(records)),
     )
 

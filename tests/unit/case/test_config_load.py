@@ -9,9 +9,13 @@ from pathlib import Path
 import pytest
 
 from toothspace.case import Case, load_case
-from toothspace.case.circuit import Fan, Hose, PumpMap, ReliefValve, Tank
 from toothspace.case.document import document_text, parse_document
 from toothspace.case.presets import PRESETS
+from toothspace.circuit.lines import Hose
+from toothspace.circuit.loads import Fan
+from toothspace.circuit.pumps import PumpMap
+from toothspace.circuit.restrictions import ReliefValve
+from toothspace.circuit.stores import Tank
 from toothspace.core.errors import CaseError
 from toothspace.studies.calibrate import CalibrateStudy
 from toothspace.studies.contact_span import ContactSpanStudy

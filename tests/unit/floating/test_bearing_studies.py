@@ -237,7 +237,7 @@ def test_measured_positions_are_corrected_for_the_sensor(tmp_path: Path) -> None
         "operating_point.outlet_pressure [bar], relative_position_um [um]\n20, 5\n40, 5.5\n20, 5.2",
         encoding="utf-8",
     )
-    beside = hysteresis.lay_over(hysteresis.read_positions(path), 0.01e-6 / 1e5)
+    beside = hysteresis.overlay(hysteresis.read_positions(path), 0.01e-6 / 1e5)
     assert beside["measured_outlet_pressure_bar"].values == pytest.approx([20, 40, 20])
     # relative to the first row, and the sensor moved away by 0.01 um/bar
     assert beside["measured_relative_position_um"].values == pytest.approx([0.0, 0.7, 0.2])

@@ -119,8 +119,8 @@ def test_a_machine_that_runs_another_way_is_told(
     ("case", "hits"), [("gerotor_cycloidal", True), ("gerotor_trochoidal", False)]
 )
 def test_contacts_made_with_a_blow_are_told(case: str, hits: bool) -> None:
-    """With 20 um at the tips a cycloidal lobe comes back with 60 mm/s, a trochoidal one slides."""
-    tips = ("machine.rotors.tip_clearance=20 um",)
-    solution = simulate(load_case(CASES / f"{case}.toml", tips))
+    """With 20 um at tips and faces a cycloidal lobe comes back with 60 mm/s; others slide."""
+    gaps = "machine.rotors.tip_clearance=20 um", "machine.lateral.side_gap=20 um"
+    solution = simulate(load_case(CASES / f"{case}.toml", gaps))
     assert ("made with a blow" in solution.provenance.get("warnings", "")) == hits
     assert solution.provenance["contact_model"] == "compliant"
