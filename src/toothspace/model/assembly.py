@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -74,6 +74,11 @@ class System:
     """
     categories: tuple[PathCategory, ...]
     """What the flow paths are booked under, in the order of the ledger."""
+
+    def at(self, **changes: Any) -> System:
+        """System of the same machine and fluid at a condition in which some values differ."""
+        condition = replace(self.condition, **changes)
+        return assemble(self.description, self.arrays.fluid, condition)
 
     @property
     def contact_labels(self) -> list[str]:

@@ -25,7 +25,7 @@ from toothspace.run.interfaces import interface_models
 from toothspace.run.load_orifice import march_against_orifice
 from toothspace.run.running_in import Tracks, run_in
 from toothspace.run.seats import SeatSearch
-from toothspace.solver.accuracy import Assembled, march_to_balance
+from toothspace.solver.accuracy import march_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -108,12 +108,12 @@ class Run:
             nonlocal last
             seats, settled = SeatSearch(machine), False
             while not settled:
-                assembled = Assembled(seats.machine, self.fluid, self.condition)
+                system = assemble(seats.machine, self.fluid, self.condition)
                 if orifice:
-                    history, told = march_against_orifice(assembled, plan, last, progress)
+                    history, told = march_against_orifice(system, plan, last, progress)
                 else:
                     state = None if last is None else first_turn_state(last)
-                    history, told = march_to_balance(assembled, plan, progress, state), ""
+                    history, told = march_to_balance(system, plan, progress, state), ""
                 last = history if history.status is Status.DONE else None
                 found = solution_from(history, self.provenance, self.values, case.title)
                 found = found.with_note(told)
