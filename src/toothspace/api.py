@@ -27,7 +27,7 @@ from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
-from toothspace.run.condition import condition_of, fluid_of, known_pressure
+from toothspace.run.condition import condition_of, fluid_of, known_pressure, known_temperatures
 from toothspace.run.run import Run
 
 if TYPE_CHECKING:
@@ -106,7 +106,8 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
         raise CaseError("study", f"{given.study_kind!r}", allowed).in_file(given.label)
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
-    solution = with_warnings(simulated(run, progress), known_pressure(given))
+    known = known_pressure(given), known_temperatures(given)
+    solution = with_warnings(simulated(run, progress), *known)
     if run.machine.as_drawn:
         try:
             drawn = prepare(given.replace(run.machine.as_drawn))

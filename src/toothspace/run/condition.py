@@ -12,7 +12,7 @@ from toothspace.circuit.restrictions import ReliefValve
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import GasModel, fluid_law, highest_pressure
+from toothspace.model.fluid import GasModel, fluid_law, highest_pressure, temperature_range
 from toothspace.model.operating_point import OperatingCondition
 
 LINE_END = "line_end"
@@ -67,6 +67,11 @@ def known_pressure(case: Case) -> float:
     """Pressure up to which the properties of the fluid of a case are known. [Pa]."""
     choice = fluid_keys(case)
     return highest_pressure(choice.source, choice.temperature)
+
+
+def known_temperatures(case: Case) -> tuple[float, float]:
+    """Temperatures between which the properties of the fluid of a case are known. [K]."""
+    return temperature_range(fluid_keys(case).source)
 
 
 def condition_of(
