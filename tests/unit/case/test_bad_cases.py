@@ -326,11 +326,11 @@ def test_bad_fidelity_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
 def test_elastic_preset_asks_for_a_floating_bearing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    lines = GEAR_CASE.read_text(encoding="utf-8").splitlines()
-    file = tmp_path / "no_area.toml"
-    kept = [line for line in lines if not line.startswith("high_pressure_area")]
-    file.write_text("\n".join(kept), encoding="utf-8")
-    line = complaint(capsys, file, tmp_path / "out.nc", "--fidelity", "elastic")
+    text = GEAR_CASE.read_text(encoding="utf-8")
+    bare = tmp_path / "bare.toml"
+    kept = [one for one in text.splitlines() if not one.startswith("high_pressure_area")]
+    bare.write_text("\n".join(kept), encoding="utf-8")
+    line = complaint(capsys, bare, tmp_path / "out.nc", "--fidelity", "elastic")
     assert "machine.floating_bearing: found no high_pressure_area" in line
 
 
