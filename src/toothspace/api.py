@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.case import Case, load_case
-from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.fingerprint import cached_by_hash
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -27,7 +27,7 @@ from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
-from toothspace.run.condition import condition_of, fluid_of, known_pressure
+from toothspace.run.condition import condition_of, fluid_of, known_pressure, known_temperatures
 from toothspace.run.run import Run
 
 if TYPE_CHECKING:
@@ -58,9 +58,9 @@ def describe(case: AnyCase) -> MachineDescription:
     given = load_case(case)
     name, spec = given.machine_type, given.machine_spec
     if spec is None:
-        raise CaseError("machine: found none, allowed a case with a [machine] table")
+        raise CaseError("machine", "none", "a case with a [machine] table")
     make = partial(machine_type(name).describe, spec)
-    return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
+    return cached_by_hash(_machines, _KEPT_MACHINES, make, name, spec)
 
 
 def prepare(case: Case) -> Run:
@@ -103,10 +103,11 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
         given = given.replace({name.replace("__", "."): v for name, v in overrides.items()})
     if given.study is not None:
         allowed = "toothspace.run_study for it, or study = None for one run of the case"
-        raise CaseError(f"{given.label}: study: found {given.study_kind!r}, allowed {allowed}")
+        raise CaseError("study", f"{given.study_kind!r}", allowed).in_file(given.label)
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
-    solution = with_warnings(simulated(run, progress), known_pressure(given))
+    known = known_pressure(given), known_temperatures(given)
+    solution = with_warnings(simulated(run, progress), *known)
     if run.machine.as_drawn:
         try:
             drawn = prepare(given.replace(run.machine.as_drawn))
@@ -132,14 +133,14 @@ def simulate_all(cases: Iterable[AnyCase], workers: int = 1) -> list[Solution | 
         Processes.
     """
     if not isinstance(cases, Iterable) or isinstance(cases, (str, Mapping)):
-        raise CaseError(f"cases: found {reprlib.repr(cases)}, allowed a list of cases")
+        raise CaseError("cases", reprlib.repr(cases), "a list of cases")
     return outcomes(simulate, [load_case(case) for case in cases], process_count(workers))
 
 
 def process_count(workers: object) -> int:
     """Number of processes, checked."""
     if isinstance(workers, bool) or not isinstance(workers, Integral) or workers < 1:
-        raise CaseError(f"workers: found {reprlib.repr(workers)}, allowed a whole number above 0")
+        raise CaseError("workers", reprlib.repr(workers), "a whole number above 0")
     return int(workers)
 
 
@@ -224,14 +225,14 @@ def evaluate_designs(
     [19.6, 16.7, 14.5]
     """
     if not isinstance(values, Mapping):
-        raise CaseError(f"values: found {reprlib.repr(values)}, allowed a table of keys and arrays")
+        raise CaseError("values", reprlib.repr(values), "a table of keys and arrays")
     arrays = {path: _in_si(raw) for path, raw in values.items()}
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError as error:
         found = ", ".join(f"{path} {array.shape}" for path, array in arrays.items())
         allowed = "shapes that go together"
-        raise CaseError(f"values: found arrays of shapes {found}, allowed {allowed}") from error
+        raise CaseError("values", f"arrays of shapes {found}", allowed) from error
     rows = {path: np.broadcast_to(array, shape).ravel() for path, array in arrays.items()}
     volume = displacement
     if volume is not None and not isinstance(volume, float):

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from toothspace.case.circuit import PortLine
 from toothspace.case.presets import (
     LUMPED,
     PRESETS,
@@ -15,11 +14,12 @@ from toothspace.case.presets import (
     LumpedKeys,
     Preset,
 )
+from toothspace.circuit.lines import PortLine
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
     Choice,
-    KeyRuleError,
     KeyTable,
     QuantityKey,
     choice,
@@ -81,7 +81,7 @@ class FluidChoice(KeyTable):
             require(self, "unless a table is given", "name")
             names = library_names("fluids")
             if self.name not in names:
-                raise KeyRuleError("name", repr(self.name), ", ".join(names))
+                raise CaseError("name", repr(self.name), ", ".join(names))
         else:
             forbid(self, "because a table is given", "name")
 

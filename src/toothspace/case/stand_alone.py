@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Integer,
-    KeyRuleError,
     KeyTable,
     Number,
     QuantityKey,
@@ -64,10 +64,10 @@ class ShaftOrbit(KeyTable):
     def __post_init__(self) -> None:
         if self.time_step > self.duration:
             found = f"{self.time_step:g} s"
-            raise KeyRuleError("time_step", found, f"at most the duration, {self.duration:g} s")
+            raise CaseError("time_step", found, f"at most the duration, {self.duration:g} s")
         if self.duration > _MOST_STEPS * self.time_step:
             found = f"{self.duration / self.time_step:.0f} steps"
-            raise KeyRuleError("time_step", found, f"at most {_MOST_STEPS} steps")
+            raise CaseError("time_step", found, f"at most {_MOST_STEPS} steps")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,9 +157,9 @@ class JournalBearingCase(FilmKeys):
         else:
             forbid(self, "because load is given", "eccentricity")
         if self.moment is not None and self.orbit is not None:
-            raise KeyRuleError("moment", "a moment with an orbit", "one of both")
+            raise CaseError("moment", "a moment with an orbit", "one of both")
         if self.eccentricity is not None and sum(e * e for e in self.eccentricity) >= 1.0:
-            raise KeyRuleError("eccentricity", str(list(self.eccentricity)), "length below 1")
+            raise CaseError("eccentricity", str(list(self.eccentricity)), "length below 1")
 
 
 @final
@@ -243,7 +243,7 @@ class RingFilmCase(FilmKeys):
     def __post_init__(self) -> None:
         if self.inner_radius >= self.outer_radius:
             found = f"{1e3 * self.inner_radius:g} mm"
-            raise KeyRuleError("inner_radius", found, "below the outer radius")
+            raise CaseError("inner_radius", found, "below the outer radius")
         if self.inner_pressure is None and self.outer_pressure is None:
             require(self, "unless inner_pressure is given", "outer_pressure")
 

@@ -22,9 +22,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn, final
+from typing import Any, NoReturn, final
 
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, Problem, joined
 from toothspace.core.frozen import Columns, FrozenDict, Points
 from toothspace.core.units import (
     as_text,
@@ -42,61 +42,19 @@ _QUANTITY_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*|\s+1/)[A-Za-
 Schema = dict[str, Any]
 
 
-class Problem(NamedTuple):
-    """What is wrong with one key: its path, what stands there and what may stand there."""
-
-    key: str
-    found: str
-    allowed: str
-
-    def __str__(self) -> str:
-        return f"{self.key}: found {self.found}, allowed {self.allowed}"
-
-
-@final
-class KeyRuleError(CaseError):
-    """Keys that cannot be read or a rule between keys that is broken.
-
-    Raised by ``__post_init__`` of a table with the key relative to the table.
-
-    Parameters
-    ----------
-    key : str
-        Key path relative to the table, empty for the table itself.
-    found, allowed : str
-        What stands there and what may stand there.
-    """
-
-    def __init__(self, key: str, found: str, allowed: str) -> None:
-        super().__init__(str(Problem(key, found, allowed)))
-        self.problems: tuple[Problem, ...] = (Problem(key, found, allowed),)
-
-    @classmethod
-    def of(cls, problems: Iterable[Problem]) -> KeyRuleError:
-        """Return one error of one or more problems."""
-        given = tuple(problems)
-        error = cls(*given[0])
-        error.problems = given
-        error.args = ("\n".join(map(str, given)),)
-        return error
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return KeyRuleError.of, (self.problems,)
-
-
 def require(owner: object, reason: str, *names: str) -> None:
     """Refuse a missing key that another choice makes compulsory."""
     for name in names:
         if getattr(owner, name) is None:
             wanted = keys_of(type(owner))[name][0].allowed()
-            raise KeyRuleError(name, "nothing", f"{wanted}; this key is compulsory {reason}")
+            raise CaseError(name, "nothing", f"{wanted}; this key is compulsory {reason}")
 
 
 def forbid(owner: object, reason: str, *names: str) -> None:
     """Refuse a key that contradicts another one."""
     for name in names:
         if getattr(owner, name) is not None:
-            raise KeyRuleError(name, "a value", f"leave this key out {reason}")
+            raise CaseError(name, "a value", f"leave this key out {reason}")
 
 
 def instead_of(owner: object, name: str, *others: str) -> None:
@@ -114,11 +72,6 @@ def shown(raw: Any) -> str:
     return text if len(text) <= _LONGEST_FOUND else f"{text[:_LONGEST_FOUND]}..."
 
 
-def joined(path: str, key: str) -> str:
-    """Return the path of a key inside a table; an index follows without a dot."""
-    return f"{path}.{key}" if path and key and not key.startswith("[") else f"{path}{key}"
-
-
 class Problems(list[Problem]):
     """Problems of several keys, raised together once all of them are read."""
 
@@ -126,7 +79,7 @@ class Problems(list[Problem]):
         """Return what ``read`` returns for a value; keep its problems under a path."""
         try:
             return read(raw, replace(source, path=joined(source.path, path)))
-        except KeyRuleError as error:
+        except CaseError as error:
             self.extend(p._replace(key=joined(path, p.key)) for p in error.problems)
 
     def settle(self) -> None:
@@ -134,11 +87,11 @@ class Problems(list[Problem]):
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             With all problems.
         """
         if self:
-            raise KeyRuleError.of(self)
+            raise CaseError.of(self)
 
 
 @final
@@ -177,7 +130,7 @@ class Key:
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             With the key relative to this one.
         """
         raise NotImplementedError
@@ -196,7 +149,7 @@ class Key:
 
     def fail(self, found: str) -> NoReturn:
         """Refuse what was found."""
-        raise KeyRuleError("", found, self.allowed())
+        raise CaseError("", found, self.allowed())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,8 +222,7 @@ class QuantityKey(Bounded, Key):
         try:
             return parse_quantity(given, self.unit, self.allowed())
         except CaseError as error:
-            found = str(error).removeprefix("found ").removesuffix(f", allowed {self.allowed()}")
-            self.fail(found)
+            self.fail(error.problems[0].found)
 
     def written(self, value: float, file_text: FileText) -> str:
         return exact_text(value, self.unit)
@@ -590,7 +542,7 @@ class Table(Key):
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             With all keys that are unknown, missing or refused.
         """
         if not isinstance(raw, Mapping):
@@ -700,7 +652,7 @@ class Variant(Key):
         name, kinds = raw.get(self.tag), self.variants
         if not isinstance(name, str) or name not in kinds:
             found = "nothing" if name is None else shown(name)
-            raise KeyRuleError(self.tag, found, " or ".join(f"'{kind}'" for kind in kinds))
+            raise CaseError(self.tag, found, " or ".join(f"'{kind}'" for kind in kinds))
         rest = {other: value for other, value in raw.items() if other != self.tag}
         return Table(spec=kinds[name]).read(rest, source)
 

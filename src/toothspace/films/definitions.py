@@ -13,17 +13,8 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.keys import (
-    KeyRuleError,
-    Number,
-    QuantityKey,
-    Row,
-    choice,
-    integer,
-    items,
-    number,
-    quantity,
-)
+from toothspace.core.errors import CaseError
+from toothspace.core.keys import Number, QuantityKey, Row, choice, integer, items, number, quantity
 from toothspace.core.types import Array
 
 CONTACT_LAWS = ("elastic_plastic", "greenwood_tripp", "kogut_etsion", "table", "none")
@@ -104,9 +95,9 @@ class RoughSurfaces:
 
     def __post_init__(self) -> None:
         if not self.roughness > 0.0:
-            raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
+            raise CaseError("moving_roughness", "two smooth walls", "one rough wall or more")
         if self.contact_law not in CONTACT_LAWS:
-            raise KeyRuleError("contact_law", repr(self.contact_law), " or ".join(CONTACT_LAWS))
+            raise CaseError("contact_law", repr(self.contact_law), " or ".join(CONTACT_LAWS))
         if self.contact_law != "table":
             return
         ratios, pressures = ([point[k] for point in self.contact_points] for k in range(2))
@@ -115,7 +106,7 @@ class RoughSurfaces:
         if len(ratios) < 2 or not growing or not falling:
             found = f"{len(ratios)} points" if len(ratios) < 2 else "gaps or pressures out of order"
             allowed = "two points or more with a growing gap and a positive, falling pressure"
-            raise KeyRuleError("contact_points", found, allowed)
+            raise CaseError("contact_points", found, allowed)
 
     @property
     def roughness(self) -> float:
@@ -178,7 +169,7 @@ class Lobes:
         if self.count < 1 or not 0.0 <= self.preload < 1.0:
             found = f"{self.count} lobes of preload {self.preload!r}"
             allowed = "1 lobe or more and preloads from 0 to below 1"
-            raise KeyRuleError("", found, allowed)
+            raise CaseError("", found, allowed)
 
     def narrowing(self, angle: Array) -> Array:
         """Loss of gap height over the radial clearance at angles. [-]."""

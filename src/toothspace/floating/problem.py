@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -202,11 +203,11 @@ class LateralNumbers:
     """Largest asperity pressure times sliding speed. [W/m2]"""
     friction_force: float
     """Friction of the housing on the floating bearing. [N]"""
-    seat_force: float
+    hold_down_force: float
     """Force that holds the solid bearing on its cover, negative if it lifts off; with two floating
     bearings not a number. [N]
     """
-    seat_margin: float
+    tipping_margin: float
     """How far inside its rim the solid bearing is pressed on its cover, negative if it tips; with
     two floating bearings not a number. [m]
     """
@@ -252,7 +253,8 @@ def lateral_problem(
     )
     if settings.deformation == "bodies":
         compliance = loaded_bodies(balance, grids, back, data)
-    laws = film_laws(balance, fluid, settings.cavitation)
+    warmth = {film.body: film.viscosity_ratio for film in description.laterals}
+    laws = film_laws(balance, fluid, settings.cavitation, warmth)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
@@ -319,13 +321,24 @@ def balance_of(description: MachineDescription) -> LateralBalance:
     return description.lateral_balance
 
 
-def film_laws(balance: LateralBalance, fluid: FluidLaw, cavitation: str) -> tuple[FilmLaw, ...]:
-    """Laws of all films of a machine with a fluid and a cavitation model."""
-    liquid = FilmFluid(
-        fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
-    )
+def film_laws(
+    balance: LateralBalance,
+    fluid: FluidLaw,
+    cavitation: str,
+    viscosity_ratio: Mapping[str, float] = MappingProxyType({}),
+) -> tuple[FilmLaw, ...]:
+    """Laws of all films of a machine with a fluid and a cavitation model.
+
+    ``viscosity_ratio`` is that in the warm films of a body over that of the fluid; one if not
+    given. [-]
+    """
 
     def one(interface: FilmInterface) -> FilmLaw:
+        liquid = FilmFluid(
+            fluid.dynamic_viscosity * viscosity_ratio.get(interface.body, 1.0),
+            fluid.pressure_viscosity,
+            limit_pressure=HIGHEST_PRESSURE,
+        )
         surfaces = interface.face.surfaces
         rough = surfaces is not None and surfaces.roughness > 0.0
         return film_law(RoughSurfaces(**vars(surfaces)) if rough else None, liquid, cavitation)
@@ -339,8 +352,8 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
     speed, count = stack.shaft_speed, len(balance.states)
     films = [film for state in balance.states for film in state.films]
     lost = [film.losses for film in films]
-    seats = [float(s.solid_seat(back.low)[0]) for s in balance.states]
-    margins = [s.seat_margin(back.low) for s in balance.states]
+    held_down = [float(s.hold_down(back.low)[0]) for s in balance.states]
+    margins = [s.tipping_margin(back.low) for s in balance.states]
     span = max(back.high - back.low, 1.0)
     return LateralNumbers(
         position=stack.gauge(balance.position),
@@ -355,8 +368,8 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
         contact_share=float(np.mean([_contact_share(f) for f in films])),
         wear_power=max(float(wear_power(f, speed).max()) for f in films),
         friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
-        seat_force=float("nan") if stack.two_floating else min(seats),
-        seat_margin=float("nan") if stack.two_floating else min(margins),
+        hold_down_force=float("nan") if stack.two_floating else min(held_down),
+        tipping_margin=float("nan") if stack.two_floating else min(margins),
         positions=stack.positions(balance.position),
         tilt=max(stack.tilts(balance.position)),
     )

@@ -208,6 +208,8 @@ class StartupFriction:
     """Breakaway torque; zero where it is the sum of the interfaces. [N m]"""
     speed: float
     """Speed up to which friction stays there. [rad/s]"""
+    seal_ratio: float = 1.0
+    """Friction of the shaft seal at rest over that in running, in the sum of the interfaces. [-]"""
 
 
 @final

@@ -86,7 +86,7 @@ def _film_at(
     match keys:
         case JournalBearingCase():
             if keys.heat is not None and keys.orbit is not None:
-                raise CaseError("bearing.heat: found an orbit, allowed a steady film")
+                raise CaseError("bearing.heat", "an orbit", "a steady film")
             return lambda mu: _journal_film(_made(JournalBearing, keys, mu), keys)
         case FilmCase():
             p = keys.pocket
@@ -122,14 +122,12 @@ def _heated(
         given = keys.dynamic_viscosity
         return solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
     if case.fluid is None:
-        raise CaseError(f"{place}.heat: found no fluid, allowed the viscosity of a table [fluid]")
+        raise CaseError(f"{place}.heat", "no fluid", "the viscosity of a table [fluid]")
     heating = film_heating(case, keys.heat.oil_share)
     try:
         heated = solve_heated(solve, heating.viscosity, heating.balance)
     except CaseError as error:
-        if str(error).startswith("heat:"):
-            raise CaseError(f"{place}.{error}") from error
-        raise
+        raise error.under(place if error.problems[0].key == "heat" else "") from error
     return heated.film, summaries.heat_summary(heated)
 
 

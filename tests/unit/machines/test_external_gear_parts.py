@@ -19,8 +19,7 @@ from tests.external_gear_designs import (
     unequal,
 )
 from toothspace.api import describe, load_case
-from toothspace.core.errors import GeometryError
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.gearing.closest_points import Placement, project
 from toothspace.gearing.gear_face import tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
@@ -279,7 +278,7 @@ def test_overlapping_profiles_are_refused() -> None:
 
 
 def test_distance_or_backlash_is_needed() -> None:
-    with pytest.raises(KeyRuleError, match="unless normal_backlash is given"):
+    with pytest.raises(CaseError, match="unless normal_backlash is given"):
         egm12("pump", normal_backlash=None)
 
 

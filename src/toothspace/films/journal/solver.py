@@ -84,8 +84,10 @@ def _supplied(
         closed = bearing.end_condition == "no_flow" and not bearing.grooves
         if moves and closed and not remembered:
             raise CaseError(
-                "bearing.supply: found 'none' between walls and without grooves, allowed is a "
-                "supply line, a groove or open ends: the liquid in a closed film is not determined"
+                "bearing.supply",
+                "'none' between walls and without grooves",
+                "is a supply line, a groove or open ends: the liquid in a closed film is not "
+                "determined",
             )
         return bearing.grooves, 0.0
     place = motion.place
@@ -152,8 +154,9 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefiniti
     if lowest <= 0.0:
         ratio = float(np.hypot(*motion.place[:2])) / bearing.radial_clearance
         raise CaseError(
-            f"bearing.eccentricity: found a smallest gap of {lowest:.3g} m at an eccentricity "
-            f"ratio of {ratio:.4g}, allowed are positions without contact"
+            "bearing.eccentricity",
+            f"a smallest gap of {lowest:.3g} m at an eccentricity ratio of {ratio:.4g}",
+            "are positions without contact",
         )
 
 

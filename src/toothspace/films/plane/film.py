@@ -209,7 +209,7 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
     """
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
     if lowest <= 0.0 and film.law.roughness == 0.0:
-        raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
+        raise CaseError("film", f"a smallest gap of {lowest:.3g} m", "are open gaps")
     return PlaneSolution(**vars(solve_state(film, history=history)))
 
 

@@ -107,19 +107,19 @@ class Pad:
 
     def __post_init__(self) -> None:
         if self.cavitation not in CAVITATION:
-            raise CaseError(
-                f"film.cavitation: found {self.cavitation!r}, allowed are {sorted(CAVITATION)}"
-            )
+            raise CaseError("film.cavitation", f"{self.cavitation!r}", f"are {sorted(CAVITATION)}")
         check_grid("film.grid", self.grid)
         if self.pocket is not None and self.pocket.start >= self.length:
             raise CaseError(
-                f"film.pocket.x: found {1e3 * self.pocket.start:g} mm, allowed are pockets that "
-                f"begin on the pad, below {1e3 * self.length:g} mm"
+                "film.pocket.x",
+                f"{1000.0 * self.pocket.start:g} mm",
+                f"are pockets that begin on the pad, below {1000.0 * self.length:g} mm",
             )
         if self.ambient_pressure < self.cavitation_pressure:
             raise CaseError(
-                f"film.ambient_pressure: found {self.ambient_pressure!r} Pa, allowed are values "
-                f"from the cavitation pressure {self.cavitation_pressure!r} Pa"
+                "film.ambient_pressure",
+                f"{self.ambient_pressure!r} Pa",
+                f"are values from the cavitation pressure {self.cavitation_pressure!r} Pa",
             )
 
     def solve(

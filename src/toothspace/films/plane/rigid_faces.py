@@ -102,7 +102,7 @@ def solve_faces(
     """
     known = {film.body: film.face for film in description.laterals if film.face is not None}
     if not known:
-        raise CaseError("film.kind: found 'lateral', allowed is 'pad' for this machine type")
+        raise CaseError("film.kind", "'lateral'", "is 'pad' for this machine type")
     pressure = chamber_pressures(description, condition)(setting.shaft_angle)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
     found = [

@@ -90,14 +90,15 @@ class LateralFilm:
     def __post_init__(self) -> None:
         if not 0.0 <= self.inner_radius < self.outer_radius:
             raise CaseError(
-                f"film.inner_radius: found {self.inner_radius!r} m, allowed are values from 0 to "
-                f"below the outer radius {self.outer_radius!r} m"
+                "film.inner_radius",
+                f"{self.inner_radius!r} m",
+                f"are values from 0 to below the outer radius {self.outer_radius!r} m",
             )
         check_grid("film.grid", self.grid)
         for key in ("given_pressure", "depth"):
             values = getattr(self, key)
             if values is not None and values.shape != self.grid:
-                raise CaseError(f"film.{key}: found shape {values.shape}, allowed is {self.grid}")
+                raise CaseError(f"film.{key}", f"shape {values.shape}", f"is {self.grid}")
 
     @property
     def angle(self) -> Array:

@@ -224,8 +224,9 @@ def refuse_deep_contact(gap: Array, surfaces: RoughSurfaces | None, place: str) 
     lowest, allowed = float(gap.min()), -DEEPEST * surfaces.roughness
     if lowest < allowed:
         raise CaseError(
-            f"{place}: found a smallest gap of {1e6 * lowest:.3g} um, allowed between these rough "
-            f"walls are gaps from {1e6 * allowed:.3g} um"
+            place,
+            f"a smallest gap of {1e6 * lowest:.3g} um",
+            f"between these rough walls are gaps from {1e6 * allowed:.3g} um",
         )
 
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, cast, final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     choice,
     file_path,
@@ -72,7 +72,7 @@ def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
         if suffix not in suffixes:
             forbid(gear, f"with {suffix} (it is read from {', '.join(suffixes)})", name)
     if suffix in _STEP and gear.profile_unit not in (None, "mm"):
-        raise KeyRuleError(
+        raise CaseError(
             "profile_unit", repr(gear.profile_unit), "leave this key out: STEP files have their own"
         )
 
@@ -83,7 +83,7 @@ def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: s
     if not is_solid(table.contour):
         forbid(table, f"unless the contour is a solid ({', '.join(SOLID_SUFFIXES)})", *names)
     elif suffix in _STEP and table.contour_unit != "mm":
-        raise KeyRuleError(
+        raise CaseError(
             "contour_unit",
             repr(table.contour_unit),
             "leave this key out: STEP files have their own",
@@ -217,7 +217,7 @@ class CasingParameters(KeyTable):
             if both > _PORTS_AND_GROOVES:
                 allowed = f"at most {_PORTS_AND_GROOVES:g} deg, so that teeth seal between them"
                 found = f"{both:.6g} deg together with outlet_angle"
-                raise KeyRuleError("inlet_angle", found, allowed)
+                raise CaseError("inlet_angle", found, allowed)
         forbid_solid_keys(self, "contour_body", "contour_part", "contour_plane")
 
 
@@ -256,7 +256,7 @@ class BearingBlockParameters(KeyTable):
         if self.motion == "seated":
             forbid(self, "with seated blocks", "port_area")
         elif self.radial_clearance == 0.0:
-            raise KeyRuleError("radial_clearance", "0 um", "above 0 um of free blocks")
+            raise CaseError("radial_clearance", "0 um", "above 0 um of free blocks")
 
 
 @final
@@ -371,11 +371,19 @@ class StartupParameters(KeyTable):
     )
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
 
+    seal_rest_ratio: float | None = number(
+        "Friction of the shaft seal at rest over that in running; default 1.",
+        low=1,
+        high=20,
+        default=None,
+    )
+
     def __post_init__(self) -> None:
         if self.breakaway == "interfaces":
             forbid(self, 'with breakaway = "interfaces"', "breakaway_torque")
         else:
             require(self, 'unless breakaway = "interfaces"', "breakaway_torque")
+            forbid(self, 'without breakaway = "interfaces"', "seal_rest_ratio")
 
     @property
     def friction(self) -> StartupFriction | None:
@@ -383,7 +391,10 @@ class StartupParameters(KeyTable):
         if self.breakaway_torque == 0.0:
             return None
         return StartupFriction(
-            cast(BreakawayLaw, self.breakaway), self.breakaway_torque or 0.0, self.breakaway_speed
+            law=cast(BreakawayLaw, self.breakaway),
+            torque=self.breakaway_torque or 0.0,
+            speed=self.breakaway_speed,
+            seal_ratio=self.seal_rest_ratio or 1.0,
         )
 
 
@@ -430,6 +441,11 @@ class ExternalGearTables(MachineTables):
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside the gears floats."""
+        return self.floating_bearing is None
 
     @property
     def missing_floating_part(self) -> str:

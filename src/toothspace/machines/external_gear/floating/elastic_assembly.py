@@ -191,8 +191,9 @@ class ElasticAssembly:
             return body
         if half is not None:
             raise GeometryError(
-                f"machine.elastic_bodies.{_KEYS[name]}: found a file of a split bearing, allowed "
-                "for bearings in one piece"
+                f"machine.elastic_bodies.{_KEYS[name]}",
+                "a file of a split bearing",
+                "for bearings in one piece",
             )
         edge = files.edge_length or _EDGE * self.assembly.profiles[0].tip_radius
         return replace(body, shape=SolidFile(path, edge, f"machine.elastic_bodies.{_KEYS[name]}"))
