@@ -45,7 +45,7 @@ LOAD_MATCH = 2e-3
 """Difference between reached and asked pressure drop that counts as none. [-]"""
 
 _ROUNDS = 10
-_EVERY = 16
+_EVERY = 32
 """Every so many of the dense states count to the mean pressure."""
 _SEARCHES = 3
 _MOST_MARCHES = 2

@@ -1,22 +1,24 @@
-"""Marches to a cyclic state whose energies balance, at the tolerance that this takes."""
+"""Runs whose energies balance, at the tolerance that this takes: cyclic ones, and over time."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
+from toothspace.results.solution import Solution
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.outcome import window_ledger
 
 ENERGY_BALANCE = 1e-5
-"""Largest energy error of a cyclic revolution. [-]"""
+"""Largest energy error of a cyclic revolution, or of a run over time. [-]"""
 
 _TIGHTER = 0.1
 _TIGHTEST = 1e-9
+_TIGHTEST_OVER_TIME = 0.9e-8
 
 
 def march_to_balance(
@@ -76,6 +78,34 @@ def balanced(history: History, plan: RunPlan, progress: Progress | None = None) 
             break
         history = _counted(again, tolerance, history.statistics)
     return history
+
+
+def solve_to_balance(system: System, solve: Callable[[System], Solution]) -> Solution:
+    """Solution over time whose energies balance, solved again at a tighter tolerance for it.
+
+    Parameters
+    ----------
+    system : System
+        Machine in its circuit, with the tolerance to begin with.
+    solve : callable
+        Runs a system from its start.
+
+    Returns
+    -------
+    Solution
+        The last that was done; its statistics hold ``relative_tolerance``.
+    """
+    tolerance = system.condition.relative_tolerance
+    found = solve(system).with_note(relative_tolerance=tolerance)
+    while found.status is Status.DONE and found.ledger.energy_balance_error > ENERGY_BALANCE:
+        tolerance *= _TIGHTER
+        if tolerance < _TIGHTEST_OVER_TIME:
+            break
+        again = solve(system.at(relative_tolerance=tolerance))
+        if again.status is not Status.DONE:
+            break
+        found = again.with_note(relative_tolerance=tolerance)
+    return found
 
 
 def _counted(

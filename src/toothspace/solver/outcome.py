@@ -68,7 +68,7 @@ def solution_from(
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
     ledger = window_ledger(history).with_trapping(close.trapped_losses())
     constants = constants_of(system, ports)
-    leaked = path_leakage(samples, shares(samples))
+    by_pressure, by_drag = path_leakage(samples, shares(samples))
     values = {
         **ports,
         **constants,
@@ -82,7 +82,8 @@ def solution_from(
         **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
-        "leakage": _by_path(system, sum(leaked) / seen.density[:, [system.description.inlet_node]]),
+        "leakage": (by_pressure + by_drag)[:, _leaking(system)]
+        / seen.density[:, [system.description.inlet_node]],
         "equivalent_leakage": _equivalent_leakage(system, seen),
         "drain_flow_rate": _drain_flow_rate(system, seen),
         # at the shaft, of walls that drag fluid to higher pressure
@@ -503,9 +504,12 @@ def _drain_flow_rate(system: System, seen: Observation) -> Array:
 
 def _by_path(system: System, values: Array) -> Array:
     """Sum over all paths of the same kind, shape (samples, kinds)."""
-    kinds = [system.categories.index(category) for category in leakage_categories(system)]
-    members = system.arrays.path_index[:, [col.CATEGORY]] == np.array(kinds)
-    return np.asarray(values @ members.astype(float))
+    category = system.arrays.path_index[:, col.CATEGORY]
+    return np.stack([values[:, category == k].sum(axis=1) for k in _leaking(system)], axis=1)
+
+
+def _leaking(system: System) -> list[int]:
+    return [system.categories.index(category) for category in leakage_categories(system)]
 
 
 def leakage_categories(system: System) -> list[PathCategory]:

@@ -8,9 +8,8 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.studies.hysteresis import follow_pressures
-from toothspace.studies.lateral_points import LateralStudy
-from toothspace.studies.nose_pressure import solve_conditions
+from toothspace.studies.bearing_path import solve_path
+from toothspace.studies.bearing_points import LateralStudy
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
@@ -49,14 +48,14 @@ SEAL_LINES = (5.8, 6.1, 6.2, 6.4)
 
 @cache
 def _loop(name: str, effort: Effort) -> LateralStudy:
-    return follow_pressures(shipped(name, *(() if effort == "full" else _SHORT)))
+    return solve_path(shipped(name, *(() if effort == "full" else _SHORT)))
 
 
 @cache
 def _moved(name: str, seal_line: float) -> LateralStudy:
     area = f'{{seal_line_x="{seal_line} mm"}}'
     moved = f"machine.floating_bearing.high_pressure_area={area}"
-    return follow_pressures(shipped(name, *_COARSE, moved))
+    return solve_path(shipped(name, *_COARSE, moved))
 
 
 def _films(study: LateralStudy) -> Array:
@@ -169,7 +168,7 @@ def _second_set(effort: Effort) -> Evidence:
 
 
 def _nose_pressure(effort: Effort) -> Evidence:
-    study = solve_conditions(shipped("nose_pressure", *(() if effort == "full" else _COARSE)))
+    study = solve_path(shipped("nose_pressure", *(() if effort == "full" else _COARSE)))
     positions = _positions(study).reshape(3, -1)
     ranges = np.ptp(positions, axis=1)
     speed = float(abs(positions[0, 0] - positions[1, 0]))

@@ -17,11 +17,10 @@ from toothspace.circuit.pumps import PumpMap
 from toothspace.circuit.restrictions import ReliefValve
 from toothspace.circuit.stores import Tank
 from toothspace.core.errors import CaseError
+from toothspace.studies.bearing_path import HysteresisStudy, NosePressureStudy
 from toothspace.studies.calibrate import CalibrateStudy
 from toothspace.studies.contact_span import ContactSpanStudy
 from toothspace.studies.efficiency_map import EfficiencyMapStudy
-from toothspace.studies.hysteresis import HysteresisStudy
-from toothspace.studies.nose_pressure import NosePressureStudy
 from toothspace.studies.sweep import SweepStudy
 
 REPOSITORY = Path(__file__).resolve().parents[3]
