@@ -18,7 +18,6 @@ ENERGY_BALANCE = 1e-5
 
 _TIGHTER = 0.1
 _TIGHTEST = 1e-9
-_TIGHTEST_OVER_TIME = 0.9e-8
 
 
 def march_to_balance(
@@ -99,7 +98,7 @@ def solve_to_balance(system: System, solve: Callable[[System], Solution]) -> Sol
     found = solve(system).with_note(relative_tolerance=tolerance)
     while found.status is Status.DONE and found.ledger.energy_balance_error > ENERGY_BALANCE:
         tolerance *= _TIGHTER
-        if tolerance < _TIGHTEST_OVER_TIME:
+        if tolerance < _TIGHTEST:
             break
         again = solve(system.at(relative_tolerance=tolerance))
         if again.status is not Status.DONE:
