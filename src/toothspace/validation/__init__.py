@@ -9,6 +9,7 @@ films                 journal bearings and pads of the literature
 lateral               floating bearing of the fuel pump
 startup               start-up of the gear motor
 gerotor               torque and contacts of the gerotor
+service_manuals       pumps of makers' service manuals, held one-sided
 reference_machines    reference machines within catalogue and published ranges
 book                  all claims, and running them
 ===================== =====================================================

@@ -9,12 +9,20 @@ from functools import partial
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import Progress, tell
 from toothspace.studies.workers import Workers
-from toothspace.validation import films, gerotor, lateral, reference_machines, startup
+from toothspace.validation import (
+    films,
+    gerotor,
+    lateral,
+    reference_machines,
+    service_manuals,
+    startup,
+)
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
 CLAIMS: tuple[Claim, ...] = (
     *films.CLAIMS,
     *reference_machines.CLAIMS,
+    *service_manuals.CLAIMS,
     *startup.CLAIMS,
     *lateral.CLAIMS,
     *gerotor.CLAIMS,
