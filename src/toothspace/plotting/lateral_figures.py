@@ -13,7 +13,10 @@ from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from toothspace.core.types import Array
 
 
 _MARKS = ("-o", "--s", "-.^", ":v", "-D", "--x")
@@ -24,7 +27,7 @@ def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return loops of position, film, leakage and torque, and maps of the films."""
     positions = (
         "Position of the bearing, mean film, leakage and torque loss beside the gears over "
-        "the outlet pressure: full line up, broken line down."
+        "the outlet pressure: full line up, broken line down. Crosses: friction left the bearing where it was."
     )
     contact = (
         "Smallest film, load that asperities carry, largest wear indicator and friction in the "
@@ -65,7 +68,10 @@ def film_figures(data: xr.Dataset) -> list[StudyFigure]:
 
 def nose_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return positions over the nose pressure, one line per condition."""
-    caption = "Position of the bearing over the nose pressure, one line per condition."
+    caption = (
+        "Position of the bearing over the nose pressure, one line per condition. Crosses: friction "
+        "left the bearing at the gap that it starts from."
+    )
     return [StudyFigure("nose_pressure", caption, nose_lines(data)), *film_figures(data)]
 
 
@@ -94,6 +100,8 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
         axes.plot(pressure[: top + 1], up, "-o", color=BLUE, ms=4, label="up")
         axes.plot(pressure[top:], down, "--o", color=ORANGE, ms=4, mfc="white", label="down")
         axes.set(ylabel=label, xlabel="Outlet pressure (bar)")
+    if panels is POSITION_PANELS:
+        _mark_held(figure.axes[0], data, pressure)
     if panels is POSITION_PANELS and "measured_relative_position_um" in data:
         # measured positions are relative: they begin where the computed ones do
         first = float(data["bearing_position_um"][0])
@@ -102,6 +110,14 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
         figure.axes[0].plot(pressure, position, ":x", color=INK, ms=5, lw=0.8, label="measured")
     figure.axes[0].legend()
     return figure
+
+
+def _mark_held(axes: Axes, data: xr.Dataset, places: Array) -> None:
+    """Cross the points at which friction leaves the bearing where it starts."""
+    held = np.asarray(data["held_by_friction"].values, dtype=bool)
+    if held.any():
+        position = data["bearing_position_um"].values[held]
+        axes.plot(places[held], position, "x", color=INK, ms=7, label="held by friction")
 
 
 @styled
@@ -142,6 +158,7 @@ def nose_lines(data: xr.Dataset) -> Figure:
         own = [k for k, other in enumerate(names) if other == name]
         position = data["bearing_position_um"].values[own]
         axes.plot(ratio[own], position, mark, color=color, ms=5, mfc="none", label=name)
+    _mark_held(axes, data, ratio)
     axes.set(xlabel="Nose pressure over outlet pressure", ylabel="Bearing position (µm)")
     axes.legend()
     axes.grid(color=GREY, alpha=0.25)

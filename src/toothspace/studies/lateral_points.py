@@ -21,6 +21,7 @@ from toothspace.floating.coupling import (
     PointRequest,
     couple_point,
 )
+from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.floating.problem import (
     LateralNumbers,
     LateralSettings,
@@ -46,6 +47,8 @@ if TYPE_CHECKING:
 
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
+_SLIDES = 0.02
+"""Difference from the friction of motion, over it, below which a bearing has moved. [-]"""
 _LUMPED_TOLERANCE = 1e-5
 _LUMPED_REVOLUTIONS = 24
 
@@ -82,6 +85,21 @@ class LateralStudy:
     """What is asked for."""
     points: tuple[StoredPoint, ...]
     """What was found; after an interrupt the points at the end are missing."""
+    holds: bool = True
+    """Whether friction of the housing can hold the bearing at rest (set-valued law)."""
+
+    @property
+    def held_by_friction(self) -> tuple[bool, ...]:
+        """Whether friction leaves the bearing where each point starts.
+
+        A bearing that moved feels the friction of motion; at rest it takes what is asked for.
+        """
+        moving = [p.breakaway_force / BREAKAWAY_RATIO for p in self.points]
+        sizes = [abs(p.numbers.friction_force) for p in self.points]
+        return tuple(
+            self.holds and abs(size - sliding) > _SLIDES * sliding
+            for size, sliding in zip(sizes, moving, strict=True)
+        )
 
     @property
     def status(self) -> Status:
@@ -120,6 +138,7 @@ class LateralStudy:
             **column("contact_force_N", "real_contact_area_mm2", "contact_share"),
             **column("wear_power_W_per_mm2", "friction_force_N"),
             "breakaway_force_N": [p.breakaway_force for p in self.points],
+            "held_by_friction": list(self.held_by_friction),
             **column("seat_force_N", "seat_margin_mm"),
             "preload_N": [p.preload for p in self.points],
             "force_balance_error": [p.residual for p in self.points],
@@ -218,12 +237,14 @@ class LateralPoints:
     ) -> tuple[StoredPoint, ...]:
         """Points that differ in the nose pressure alone, each from one gap. [m].
 
-        They share the chamber pressures of the first. After an interrupt by the user those that
-        are finished; records are kept as by :func:`follow`.
+        They share the chamber pressures of the first, unless chambers and films are to agree. After
+        an interrupt by the user those that are finished; records are kept as by :func:`follow`.
         """
         run, shared = self.run, cache(self.lumped(conditions[0]))
 
         def solved(condition: PointCondition) -> CoupledPoint:
+            if self.rounds > 1:
+                return self.solve(condition, start_gap)
             request = replace(self._request(condition, start_gap), rounds=1)
             return couple_point(run.machine, run.fluid, lambda _: shared(run.machine), request)
 

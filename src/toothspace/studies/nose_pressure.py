@@ -14,6 +14,7 @@ from toothspace.core.keys import (
     Number,
     Table,
     choice,
+    integer,
     items,
     number,
     quantity,
@@ -57,6 +58,13 @@ class NosePressureStudy(KeyTable):
         "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=1.6e-3
     )
     friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    coupling_rounds: int = integer(
+        "Most runs of the chambers per point until they agree with the films; 1: one run for all "
+        "nose pressures of a condition.",
+        low=1,
+        high=20,
+        default=1,
+    )
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
@@ -125,13 +133,13 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     if not isinstance(study, NosePressureStudy):
         raise CaseError('study.kind: found another study, allowed "nose_pressure"')
     friction = housing_contact(study)
-    points = prepare(case, friction, "nose_pressure")
+    points = replace(prepare(case, friction, "nose_pressure"), rounds=study.coupling_rounds)
     if points.balance.floating.nose.area <= 0.0:
         raise CaseError(
             "study.kind: found 'nose_pressure' for a floating part without nose, allowed one with "
             "a nose (area and center)"
         )
-    context, shared = context or StudyContext(), (study.start_gap, friction)
+    context, shared = context or StudyContext(), (study.start_gap, friction, study.coupling_rounds)
     every = [_conditions(case, one, study.nose_pressure_fractions) for one in study.conditions]
     found: list[StoredPoint] = []
     for k, asked in enumerate(every):
@@ -143,7 +151,8 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
             break
     if not found:
         raise KeyboardInterrupt
-    return LateralStudy(tuple(chain.from_iterable(every)), tuple(found))
+    conditions = tuple(chain.from_iterable(every))
+    return LateralStudy(conditions, tuple(found), friction.law == "stick")
 
 
 def _conditions(

@@ -88,6 +88,15 @@ def test_loop_area_is_positive_where_the_bearing_stays_away(study: LateralStudy)
     assert abs(free) < 0.02 * by_hand
 
 
+def test_points_that_friction_holds_are_marked() -> None:
+    """A bearing in motion feels the friction of motion; at rest any friction up to breakaway."""
+    held = _study(UP_AND_DOWN, 1e6)
+    assert held.held_by_friction == (True,) * 5
+    assert held.summary()["held_by_friction"] == [True] * 5
+    assert not any(replace(held, holds=False).held_by_friction)
+    assert not any(_study(UP_AND_DOWN, 1e-3).held_by_friction)
+
+
 def test_result_lists_every_point_with_units(study: LateralStudy) -> None:
     result = study.result({"loop_area_um_bar": 1.0})
     assert result.status is Status.DONE
