@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from toothspace.films import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.floating.face_film import film_law
 from toothspace.floating.face_grid import FaceGrid
 from toothspace.floating.housing_friction import housing_friction

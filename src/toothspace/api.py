@@ -58,7 +58,7 @@ def describe(case: AnyCase) -> MachineDescription:
     given = load_case(case)
     name, spec = given.machine_type, given.machine_spec
     if spec is None:
-        raise CaseError("machine: found none, allowed a case with a [machine] table")
+        raise CaseError("machine", "none", "a case with a [machine] table")
     make = partial(machine_type(name).describe, spec)
     return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
 
@@ -103,7 +103,7 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
         given = given.replace({name.replace("__", "."): v for name, v in overrides.items()})
     if given.study is not None:
         allowed = "toothspace.run_study for it, or study = None for one run of the case"
-        raise CaseError(f"{given.label}: study: found {given.study_kind!r}, allowed {allowed}")
+        raise CaseError("study", f"{given.study_kind!r}", allowed).in_file(given.label)
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
     solution = with_warnings(simulated(run, progress), known_pressure(given))
@@ -132,14 +132,14 @@ def simulate_all(cases: Iterable[AnyCase], workers: int = 1) -> list[Solution | 
         Processes.
     """
     if not isinstance(cases, Iterable) or isinstance(cases, (str, Mapping)):
-        raise CaseError(f"cases: found {reprlib.repr(cases)}, allowed a list of cases")
+        raise CaseError("cases", reprlib.repr(cases), "a list of cases")
     return outcomes(simulate, [load_case(case) for case in cases], process_count(workers))
 
 
 def process_count(workers: object) -> int:
     """Number of processes, checked."""
     if isinstance(workers, bool) or not isinstance(workers, Integral) or workers < 1:
-        raise CaseError(f"workers: found {reprlib.repr(workers)}, allowed a whole number above 0")
+        raise CaseError("workers", reprlib.repr(workers), "a whole number above 0")
     return int(workers)
 
 
@@ -224,14 +224,14 @@ def evaluate_designs(
     [19.6, 16.7, 14.5]
     """
     if not isinstance(values, Mapping):
-        raise CaseError(f"values: found {reprlib.repr(values)}, allowed a table of keys and arrays")
+        raise CaseError("values", reprlib.repr(values), "a table of keys and arrays")
     arrays = {path: _in_si(raw) for path, raw in values.items()}
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError as error:
         found = ", ".join(f"{path} {array.shape}" for path, array in arrays.items())
         allowed = "shapes that go together"
-        raise CaseError(f"values: found arrays of shapes {found}, allowed {allowed}") from error
+        raise CaseError("values", f"arrays of shapes {found}", allowed) from error
     rows = {path: np.broadcast_to(array, shape).ravel() for path, array in arrays.items()}
     volume = displacement
     if volume is not None and not isinstance(volume, float):

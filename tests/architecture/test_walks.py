@@ -82,6 +82,14 @@ samples_per_revolution = 90
 """
 
 
+def pretend_installed(folder: Path, entry_points: str) -> None:
+    """Leave what installing a package with entry points leaves."""
+    installed = folder / "toy-1.0.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Name: toy\nVersion: 1.0\n", encoding="utf-8")
+    (installed / "entry_points.txt").write_text(entry_points, encoding="utf-8")
+
+
 @pytest.fixture
 def toy_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A package outside this repository, installed as far as Python can tell."""
@@ -89,11 +97,7 @@ def toy_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Pat
     package.mkdir()
     (package / "__init__.py").write_text(TYPE, encoding="utf-8")
     (package / "parameters.py").write_text(KEYS, encoding="utf-8")
-    installed = tmp_path / "toy_cylinders-1.0.dist-info"
-    installed.mkdir()
-    (installed / "METADATA").write_text("Name: toy-cylinders\nVersion: 1.0\n", encoding="utf-8")
-    entry = "[toothspace.machines]\ntoy_cylinders = toy_cylinders:MACHINE\n"
-    (installed / "entry_points.txt").write_text(entry, encoding="utf-8")
+    pretend_installed(tmp_path, "[toothspace.machines]\ntoy_cylinders = toy_cylinders:MACHINE\n")
     monkeypatch.syspath_prepend(tmp_path)
     importlib.invalidate_caches()
     machine_modules.cache_clear()
@@ -167,16 +171,24 @@ STUDY = Study(ToySpeedsStudy, run, figures)
 '''
 
 
-@pytest.fixture
-def toy_study(tmp_path: Path) -> Iterator[None]:
-    """One more file among the studies."""
+@pytest.fixture(params=["one of the studies", "installed"])
+def toy_study(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[None]:
+    """One more file among the studies, or in a package outside this repository."""
     (tmp_path / "toy_speeds.py").write_text(STUDY, encoding="utf-8")
-    studies.__path__.append(str(tmp_path))
+    if request.param == "installed":
+        pretend_installed(tmp_path, "[toothspace.studies]\ntoy_speeds = toy_speeds\n")
+        monkeypatch.syspath_prepend(tmp_path)
+    else:
+        monkeypatch.setattr(studies, "__path__", [*studies.__path__, str(tmp_path)])
+        monkeypatch.setattr(studies.__spec__, "submodule_search_locations", studies.__path__)
+    importlib.invalidate_caches()
     study_modules.cache_clear()
     yield
-    studies.__path__.remove(str(tmp_path))
     study_modules.cache_clear()
-    sys.modules.pop("toothspace.studies.toy_speeds", None)
+    for name in ("toy_speeds", "toothspace.studies.toy_speeds"):
+        sys.modules.pop(name, None)
 
 
 def test_study(toy_study: None, tmp_path: Path) -> None:

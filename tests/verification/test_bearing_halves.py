@@ -14,14 +14,14 @@ from toothspace.floating.motion import Loads, StepSettings, state_at
 from toothspace.floating.stack import Stack
 from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     FloatingBearingParameters,
-    HousingContactParameters,
     NoseParameters,
     PressureAreaParameters,
     SpringParameters,
 )
 from toothspace.machines.external_gear.spec import FloatingBlock
+from toothspace.model.floating_bearing import HousingContact
 
 APPROACH = 3e-13
 
@@ -85,7 +85,7 @@ def _machine(**changes: object) -> FloatingBlock:
         nose=NoseParameters(area=400e-6, center=(-20e-3, 28e-3)),
         springs=springs,
         seal_preload=35.0,
-        housing_contact=HousingContactParameters(area=900e-6),
+        housing_contact=HousingContact(area=900e-6),
         split=True,
     )
     return floating_block(FloatingBlock(keys=keys, material=metal, length=38e-3), **changes)

@@ -25,24 +25,24 @@ from toothspace.floating.stack import BackPressure, Snapshot
 from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.elastic_assembly import ElasticAssembly, seal_line
-from toothspace.machines.external_gear.elastic_bodies import (
+from toothspace.machines.external_gear.floating.balance import lateral_balance
+from toothspace.machines.external_gear.floating.elastic_assembly import ElasticAssembly, seal_line
+from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
     MeshSize,
     bearing_body,
     bearing_section,
     gear_body,
 )
-from toothspace.machines.external_gear.films import FaceOfGear
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
     NoseParameters,
     PressureAreaParameters,
     SpringParameters,
 )
+from toothspace.machines.external_gear.gear_faces import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.film_faces import FILM

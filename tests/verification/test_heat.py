@@ -80,10 +80,10 @@ def test_soon_after_the_start_films_are_as_cold_as_the_supply(network) -> None:
     ("case", "overrides"),
     [
         ("egm12_motor", ["run.fidelity=ideal", "heat.oil_conductivity='0.12 W/(m K)'"]),
-        ("fuel14_pump", ["run.fidelity=elastic", "heat.model=coupled"]),
-        ("startup_blocked", ["heat.model=coupled"]),
+        ("startup_blocked", ["heat.bearing_flushing='0.1 L/min'"]),
+        ("egm12_motor", ["run.fidelity=elastic", "run.film_oil_share=0.5"]),
     ],
 )
 def test_heat_is_refused_where_it_would_be_ignored(case: str, overrides: list[str]) -> None:
-    with pytest.raises(CaseError, match=r"heat(\.model)?: found"):
+    with pytest.raises(CaseError, match=r"(heat|run\.film_oil_share): found"):
         ts.load_case(shipped_case(case), overrides)

@@ -132,7 +132,7 @@ def _tables(body: bytes) -> Mapping[str, Any]:
     try:
         tables = json.loads(body)
     except ValueError as error:
-        raise CaseError("form: found no JSON, allowed tables of keys") from error
+        raise CaseError("form", "no JSON", "tables of keys") from error
     if not isinstance(tables, dict):
-        raise CaseError("form: found no tables, allowed tables of keys")
+        raise CaseError("form", "no tables", "tables of keys")
     return tables

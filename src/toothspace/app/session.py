@@ -54,7 +54,7 @@ class Session:
             If no case of that name is listed, or it cannot be read.
         """
         if name not in self.cases():
-            raise CaseError(f"case: found {name!r}, allowed one that is listed")
+            raise CaseError("case", f"{name!r}", "one that is listed")
         return load_case(self.folder / name if "." in name else shipped_case(name)).to_dict()
 
     def case(self, tables: Mapping[str, Any]) -> Case:
@@ -72,7 +72,7 @@ class Session:
                 continue
             place = (self.folder / text).resolve()
             if place.exists() and not any(place.is_relative_to(home) for home in homes):
-                raise CaseError(f"case: {key}: found {text!r}, allowed a file in {self.folder}")
+                raise CaseError(f"case: {key}", f"{text!r}", f"a file in {self.folder}")
         return Case.from_dict(tables, self.folder).check()
 
     def start(self, tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -85,7 +85,7 @@ class Session:
         """
         case = self.case(tables)
         if self._thread is not None and self._thread.is_alive():
-            raise CaseError("run: found one under way, allowed one at a time")
+            raise CaseError("run", "one under way", "one at a time")
         self.solution, self._problem = None, ""
         self._share, self._text = UNKNOWN, "geometry"
         self._stopped.clear()
@@ -119,7 +119,7 @@ class Session:
         """
         found, file = self.solution, folder / f"result{ending}"
         if found is None:
-            raise CaseError("result: found none, allowed after a run")
+            raise CaseError("result", "none", "after a run")
         if isinstance(found, Solution):
             return found.report(file) if ending == ".html" else found.save(file)
         return write_study_report(found, file) if ending == ".html" else found.save(folder)[0]

@@ -22,18 +22,9 @@ from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
 from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of
-from toothspace.core.keys import (
-    FileText,
-    KeyRuleError,
-    Problem,
-    Problems,
-    Source,
-    Table,
-    joined,
-    shown,
-)
+from toothspace.core.keys import FileText, Problems, Source, Table, shown
 from toothspace.core.units import as_text
 from toothspace.library import shipped_folder
 
@@ -96,7 +87,7 @@ class Case(CaseTables):
             object.__setattr__(self, "title", stand_alone[0])
         broken = tuple(broken_rules(self))
         if broken:
-            raise KeyRuleError.of(broken)
+            raise CaseError.of(broken)
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], folder: str | Path = ".") -> Case:
@@ -137,7 +128,7 @@ class Case(CaseTables):
             A line for every key, with what was found, what is allowed and where it stands.
         """
         if not isinstance(text, str):
-            raise CaseError(f"{label}: found {text!r}, allowed the text of a case file")
+            raise CaseError(label, f"{text!r}", "the text of a case file")
         place = path_of(folder, "folder", "a folder")
         document = parse_document(text, label, place)
         return _made(document, place, source=place / f"{label}.toml")
@@ -181,7 +172,7 @@ class Case(CaseTables):
         for path in values:
             if path.partition(".")[0] in {"study", "schema"}:
                 allowed = "a key of the machine, the fluid, the condition or the run"
-                raise CaseError(f"{self.label}: study: found {path!r}, allowed {allowed}")
+                raise CaseError("study", f"{path!r}", allowed).in_file(self.label)
         return replace(self, study=None)._changed(values, overrides=())
 
     def _changed(self, values: Mapping[str, Any], overrides: tuple[str, ...]) -> Case:
@@ -274,19 +265,19 @@ class Case(CaseTables):
         try:
             spec = kept_by_content(_machines, _KEPT_MACHINES, make, self.machine)
         except CaseError as error:
-            raise self._read_from.refusal(error) from error
+            raise self._read_from.refuse(error) from error
         except OSError as error:
             raise self._unreadable(error) from error
         # files that change from now on change neither the machine nor the hash
         if was_hashed and self._hashed() != self.hash:
             found = "files that have changed since the case was hashed"
-            raise CaseError(f"{self.label}: machine: found {found}, allowed a case read anew")
+            raise CaseError("machine", found, "a case read anew").in_file(self.label)
         _ = self.hash
         return spec
 
     def _unreadable(self, error: OSError) -> CaseError:
         found = f"{error.filename}, {error.strerror}"
-        return CaseError(f"{self.label}: files: found {found}, allowed files that can be read")
+        return CaseError(f"{self.label}: files", found, "files that can be read")
 
     @property
     def name(self) -> str:
@@ -307,17 +298,14 @@ class Case(CaseTables):
 
 def _require_table(name: str, given: object) -> None:
     if not isinstance(given, Mapping):
-        raise CaseError(f"{name}: found {reprlib.repr(given)}, allowed a table of keys and values")
+        raise CaseError(name, reprlib.repr(given), "a table of keys and values")
 
 
 def _assembled(machine: Any) -> Any:
     try:
         return machine.assemble()
-    except KeyRuleError as error:
-        found = (p._replace(key=joined("machine", p.key)) for p in error.problems)
-        raise KeyRuleError.of(found) from error
     except CaseError as error:
-        raise type(error)(f"machine.{error}") from error
+        raise error.under("machine") from error
 
 
 def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
@@ -342,7 +330,7 @@ def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable
         A line for every key, with file, what was found, what is allowed and where it stands.
     """
     if not isinstance(overrides, Iterable):
-        raise CaseError(f"--set: found {overrides!r}, allowed a list of key.path=value")
+        raise CaseError("--set", f"{overrides!r}", "a list of key.path=value")
     given = (overrides,) if isinstance(overrides, str) else tuple(overrides)
     if isinstance(source, Case) and not given:
         return source
@@ -356,8 +344,8 @@ def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable
         document = read_document(path, label)
     try:
         values = [split_override(override) for override in given]
-    except KeyRuleError as error:
-        raise document.refuse(error.problems) from error
+    except CaseError as error:
+        raise document.refuse(error) from error
     folder = Path() if path is None else path.parent
     for key, value in values:
         require_ordinary({"--set": value}, document.label)
@@ -368,8 +356,8 @@ def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable
 def _overlaid(document: Document, values: Mapping[str, Any]) -> Document:
     try:
         tables = with_values(document.tables, values)
-    except KeyRuleError as error:
-        raise document.refuse(error.problems) from error
+    except CaseError as error:
+        raise document.refuse(error) from error
     # a value from elsewhere stands in no line
     nowhere = dict.fromkeys(values, (document.label, 0))
     return Document(document.label, tables, {**document.places, **nowhere})
@@ -388,7 +376,7 @@ def _made(
     tables, problems = document.tables, Problems()
     if source is not None and "schema" not in tables:
         # without it nobody knows what the other keys mean
-        raise document.refuse([Problem("schema", "nothing", str(SCHEMA_VERSION))])
+        raise document.refuse(CaseError("schema", "nothing", str(SCHEMA_VERSION)))
     if not {"title", "bearing", "film"} & set(tables):
         problems.append(Problem("title", "nothing", "a text that is not empty"))
     read = problems.of("", Table(spec=Case).values, tables, Source(folder))
@@ -396,6 +384,6 @@ def _made(
         problems.settle()
         case = Case(**read, source=source, overrides=overrides)
     except CaseError as error:
-        raise document.refusal(error) from error
+        raise document.refuse(error) from error
     object.__setattr__(case, "_read_from", Document(document.label, {}, document.places))
     return case

@@ -8,9 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.frozen import FrozenDict
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     Named,
     Number,
@@ -49,7 +49,7 @@ def _check_history(owner: Any, key: str) -> None:
     require(owner, f"unless {key}_file is given", key)
     times = [row[0] for row in rows]
     if any(later <= earlier for earlier, later in pairwise(times)):
-        raise KeyRuleError(key, f"times {times}", "times that increase")
+        raise CaseError(key, f"times {times}", "times that increase")
 
 
 @final
@@ -133,10 +133,10 @@ class PumpMap(SpeedHistory):
         forbid(self, "because rated_point is given", "table")
         if self.slip_coefficient > 0.0:
             allowed = "leave this key out because rated_point is given"
-            raise KeyRuleError("slip_coefficient", f"{self.slip_coefficient:g}", allowed)
+            raise CaseError("slip_coefficient", f"{self.slip_coefficient:g}", allowed)
         if self.slip < 0.0:
             found = f"a volumetric efficiency of {self.rated_point.volumetric_efficiency:g}"
-            raise KeyRuleError("rated_point", found, "one that volumetric_efficiency leaves")
+            raise CaseError("rated_point", found, "one that volumetric_efficiency leaves")
 
     @property
     def slip(self) -> float:
@@ -209,9 +209,9 @@ class Hose(Line):
 
     def __post_init__(self) -> None:
         if self.carries_waves and self.wall_stiffening > 1.0:
-            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
+            raise CaseError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
         if self.wall_stiffening > 1.0 and self.effective_bulk_modulus is None and not self.has_wall:
-            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 of a rigid line")
+            raise CaseError("wall_stiffening", f"{self.wall_stiffening:g}", "1 of a rigid line")
         super().__post_init__()
 
     @property
@@ -412,7 +412,7 @@ class Circuit(KeyTable):
         joined = [name for pair in self.connections for name in pair]
         for name in joined:
             if name not in allowed:
-                raise KeyRuleError("connections", repr(name), f"one of {', '.join(allowed)}")
+                raise CaseError("connections", repr(name), f"one of {', '.join(allowed)}")
         for name in fluid:
             if name not in joined:
-                raise KeyRuleError(name, "an element without connection", "an entry in connections")
+                raise CaseError(name, "an element without connection", "an entry in connections")

@@ -16,10 +16,10 @@ from toothspace.case.presets import (
     Preset,
 )
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
     Choice,
-    KeyRuleError,
     KeyTable,
     QuantityKey,
     choice,
@@ -81,7 +81,7 @@ class FluidChoice(KeyTable):
             require(self, "unless a table is given", "name")
             names = library_names("fluids")
             if self.name not in names:
-                raise KeyRuleError("name", repr(self.name), ", ".join(names))
+                raise CaseError("name", repr(self.name), ", ".join(names))
         else:
             forbid(self, "because a table is given", "name")
 

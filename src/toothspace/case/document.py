@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, final
@@ -14,7 +14,7 @@ from toothspace.case.overrides import remove_alternatives, without
 from toothspace.core.errors import CaseError
 from toothspace.core.files import read_bytes
 from toothspace.core.frozen import Points
-from toothspace.core.keys import KeyRuleError, Problem, shown
+from toothspace.core.keys import shown
 from toothspace.library import shipped_folder
 
 BASE = "base"
@@ -66,23 +66,16 @@ class Document:
             key = key[: max(key.rfind("."), key.rfind("["), 0)]
         return self.places.get(key, (self.label, 0))
 
-    def refuse(self, problems: Iterable[Problem]) -> CaseError:
-        """Return the error of problems: a line for each, with its file and place, in order."""
-        placed = [(self.place(problem.key), problem) for problem in dict.fromkeys(problems)]
-        placed.sort(key=lambda one: (one[0][0] != self.label, one[0]))
-        return CaseError("\n".join(located(*place, str(problem)) for place, problem in placed))
-
-    def refusal(self, error: CaseError) -> CaseError:
-        """Return an error of keys with the file and place of each of them."""
-        if isinstance(error, KeyRuleError):
-            return self.refuse(error.problems) if self.label else error
-        place = self.place(str(error).partition(": ")[0])
-        return type(error)(located(*place, str(error))) if self.label else error
-
-
-def located(label: str, line: int, text: str) -> str:
-    """Return a message with the name of its file in front and its line at the end."""
-    return f"{label}: {text}" + (f" (line {line})" if line else "")
+    def refuse(self, error: CaseError) -> CaseError:
+        """Return an error with file and line of its problems, in their order."""
+        if not self.label:
+            return error
+        placed = []
+        for problem in dict.fromkeys(error.problems):
+            file, line = self.place(problem.key)
+            placed.append(problem._replace(file=file, line=line))
+        placed.sort(key=lambda one: (one.file != self.label, one.file, one.line))
+        return error.of(placed)
 
 
 def read_document(path: Path, label: str) -> Document:
@@ -108,13 +101,13 @@ def _read_text(path: Path, label: str) -> str:
         allowed += f", or {path.stem}, the shipped case"
     other = _OTHER_FILES.get(path.suffix.lower())
     if other is not None:
-        raise CaseError(f"{place}: found {other}, allowed {allowed}")
+        raise CaseError(place, other, allowed)
     content = read_bytes(path, place, allowed, _LARGEST_FILE)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         found = f"byte {error.start} that is not UTF-8"
-        raise CaseError(f"{label}: encoding: found {found}, allowed text in UTF-8") from error
+        raise CaseError("encoding", found, "text in UTF-8").in_file(label) from error
 
 
 _OTHER_FILES = {
@@ -155,7 +148,7 @@ def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0)
         if not isinstance(error, tomllib.TOMLDecodeError | RecursionError):
             reason = "an integer of thousands of digits"
         allowed = "TOML 1.0 with every key once"
-        raise CaseError(f"{label}: syntax: found {reason!r}, allowed {allowed}") from error
+        raise CaseError("syntax", f"{reason!r}", allowed).in_file(label) from error
     require_ordinary(tables, label)
     places = {key: (label, line) for key, line in _lines(text) if _stands(tables, key)}
     own = Document(label, tables, places)
@@ -174,24 +167,25 @@ def _on_base(own: Document, folder: Path, depth: int) -> Document:
         or not isinstance(given.get("without", []), list)
         or not all(isinstance(path, str) for path in given.get("without", []))
     ):
-        raise own.refuse([Problem(BASE, shown(raw), allowed)])
+        raise own.refuse(CaseError(BASE, shown(raw), allowed))
     if depth >= _MOST_BASES:
         found, allowed = f"{_MOST_BASES} bases on each other", "a base that ends in a whole case"
-        raise own.refuse([Problem(BASE, found, allowed)])
+        raise own.refuse(CaseError(BASE, found, allowed))
     path = folder / given["file"]
     if not path.is_file():
         found = f"{shown(given['file'])}, which is no file"
         allowed = "a case file, relative to this one"
         if _is_shipped(path):
             allowed += f"; 'toothspace init {path.stem}' copies the shipped one"
-        raise own.refuse([Problem(BASE, found, allowed)])
+        raise own.refuse(CaseError(BASE, found, allowed))
     below = parse_document(_read_text(path, str(path)), str(path), path.parent, depth + 1)
     found_tables = _in_folder(below.tables, path.parent)
     for left_out in given.get("without", []):
         try:
             found_tables = without(found_tables, left_out)
-        except KeyRuleError as error:
-            raise own.refuse([error.problems[0]._replace(key=f"{BASE}.without")]) from error
+        except CaseError as error:
+            refused = error.changed(lambda one: one._replace(key=f"{BASE}.without"))
+            raise own.refuse(refused) from error
     remove_alternatives(found_tables, _leaves(tables))
     return Document(own.label, _laid_over(found_tables, tables), {**below.places, **own.places})
 
@@ -294,8 +288,9 @@ def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
         path, value, depth = waiting.pop()
         if depth > _DEEPEST:
             raise CaseError(
-                f"{label}: {path[:_LONGEST_PLACE]}: found tables deeper than {_DEEPEST}, "
-                f"allowed at most {_DEEPEST}"
+                f"{label}: {path[:_LONGEST_PLACE]}",
+                f"tables deeper than {_DEEPEST}",
+                f"at most {_DEEPEST}",
             )
         if isinstance(value, Mapping):
             for key, item in value.items():
@@ -307,15 +302,15 @@ def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
             _require_text(value, label, path)
         elif isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
             found = f"an integer of {value.bit_length()} bits"
-            raise CaseError(f"{label}: {path}: found {found}, allowed at most 64")
+            raise CaseError(f"{path}", found, "at most 64").in_file(label)
 
 
 def _require_text(text: str, label: str, path: str) -> None:
     place = f"{label}: {path or 'key'}"
     if "\0" in text:
-        raise CaseError(f"{place}: found the character NUL, allowed text without it")
+        raise CaseError(place, "the character NUL", "text without it")
     if any("\ud800" <= character <= "\udfff" for character in text):
-        raise CaseError(f"{place}: found bytes that are not UTF-8, allowed Unicode text")
+        raise CaseError(place, "bytes that are not UTF-8", "Unicode text")
 
 
 def document_text(tables: Mapping[str, Any]) -> str:

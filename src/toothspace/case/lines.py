@@ -74,9 +74,10 @@ def check_wall(hose: Line, fluid: FluidLaw, path: str) -> None:
     liquid, given = liquid_modulus(fluid), hose.effective_bulk_modulus
     if given is not None and given > liquid:
         raise CaseError(
-            f"{path}.effective_bulk_modulus: found {given / 1e9:.4g} GPa, allowed at most that of "
-            f"the liquid at its temperature, {liquid / 1e9:.4g} GPa; without the key the wall is "
-            "rigid"
+            f"{path}.effective_bulk_modulus",
+            f"{given / 1e9:.4g} GPa",
+            f"at most that of the liquid at its temperature, {liquid / 1e9:.4g} GPa; without the "
+            "key the wall is rigid",
         )
 
 

@@ -7,7 +7,8 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from toothspace.core.keys import KeyRuleError, KeyTable, joined
+from toothspace.core.errors import CaseError, joined
+from toothspace.core.keys import is_table
 
 CONDITIONS = ("operating_point", "circuit", "bearing", "film")
 """Tables of which a case has exactly one."""
@@ -32,12 +33,12 @@ def split_override(override: str) -> tuple[str, Any]:
 
     Raises
     ------
-    KeyRuleError
+    CaseError
         If it has no key or no value.
     """
     path, equals, value = (part.strip() for part in str(override).partition("="))
     if not equals or not value or not _PATH.fullmatch(path):
-        raise KeyRuleError("--set", repr(override), "key.path=value")
+        raise CaseError("--set", repr(override), "key.path=value")
     try:
         parsed = tomllib.loads(f"value = {value}")
     except (ValueError, RecursionError):
@@ -57,27 +58,27 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
     Raises
     ------
-    KeyRuleError
+    CaseError
         If a path is no key path, or leads through a value.
     """
     changed: Any = dict(tables)
     for path, value in values.items():
         if not isinstance(path, str) or not _PATH.fullmatch(path):
             allowed = "a key path such as fluid.name"
-            raise KeyRuleError(str(path), "no key path", allowed)
+            raise CaseError(str(path), "no key path", allowed)
         changed = without(changed, path) if value is None else _with(changed, path, value)
         remove_alternatives(changed, [path] if value is not None else [])
     return dict(changed)
 
 
 def _with(table: Any, path: str, value: Any, above: str = "") -> Any:
-    if isinstance(table, KeyTable):
+    if is_table(table):
         found = f"{joined(above, path)} below an object"
-        raise KeyRuleError(joined(above, path), found, "a path through tables")
+        raise CaseError(joined(above, path), found, "a path through tables")
     if not isinstance(table, Mapping):
         found = f"{joined(above, path)} below a value"
         allowed = f"a path through tables, but {above} is a value"
-        raise KeyRuleError(joined(above, path), found, allowed)
+        raise CaseError(joined(above, path), found, allowed)
     name, _, rest = path.partition(".")
     inner = _with(table.get(name, {}), rest, value, joined(above, name)) if rest else value
     return {**table, name: inner}

@@ -151,13 +151,14 @@ def _check_ends(circuit: keys.Circuit, seen: Mapping[str, int]) -> None:
             continue
         if seen.get(name, 0) < 2:
             raise CaseError(
-                f"circuit.connections: found one connection of {name!r}, "
-                "allowed two: its upstream end, then its downstream end"
+                "circuit.connections",
+                f"one connection of {name!r}",
+                "two: its upstream end, then its downstream end",
             )
     mentioned = {name for pair in circuit.connections for name in pair}
     for port in ("machine.inlet", "machine.outlet"):
         if port not in mentioned:
-            raise CaseError(f"circuit.connections: found no {port}, allowed circuits that join it")
+            raise CaseError("circuit.connections", f"no {port}", "circuits that join it")
 
 
 def _node_name(circuit: keys.Circuit, joined: set[Place]) -> str:
@@ -167,7 +168,7 @@ def _node_name(circuit: keys.Circuit, joined: set[Place]) -> str:
     """
     ports = sorted(name for name, _ in joined if name.startswith("machine."))
     if len(ports) > 1:
-        raise CaseError(f"circuit.connections: found {ports} joined, allowed one port per node")
+        raise CaseError("circuit.connections", f"{ports} joined", "one port per node")
     if ports:
         return ports[0].removeprefix("machine.")
     parts = {name: circuit.elements.get(name) for name, _ in joined}
@@ -181,7 +182,7 @@ def _node(
 ) -> CircuitNode:
     tanks = [part for part in parts if isinstance(part, keys.Tank)]
     if len(tanks) > 1:
-        raise CaseError("circuit.connections: found two tanks joined, allowed one tank per node")
+        raise CaseError("circuit.connections", "two tanks joined", "one tank per node")
     if tanks:
         return CircuitNode(name, tanks[0].pressure)
     node = CircuitNode(name, start, port_volume)
@@ -189,8 +190,9 @@ def _node(
         node = _enlarge(node, part, fluid)
     if node.volume <= 0.0:
         raise CaseError(
-            f"circuit.connections: found nothing that holds fluid at {name!r}, "
-            "allowed a hose, volume, accumulator, tank or machine port at every joint"
+            "circuit.connections",
+            f"nothing that holds fluid at {name!r}",
+            "a hose, volume, accumulator, tank or machine port at every joint",
         )
     return node
 
@@ -204,7 +206,7 @@ def _enlarge(node: CircuitNode, part: Any, fluid: FluidLaw) -> CircuitNode:
         return replace(node, volume=node.volume + part.volume, wall_compliance=compliance)
     if isinstance(part, keys.Accumulator):
         if node.gas_volume > 0.0:
-            raise CaseError("circuit.connections: found two accumulators joined, allowed one")
+            raise CaseError("circuit.connections", "two accumulators joined", "one")
         return replace(
             node,
             volume=node.volume + part.fluid_volume,
@@ -287,7 +289,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
     fans = [part for part in parts if isinstance(part, keys.Fan)]
     sources = [part for part in parts if isinstance(part, keys.TorqueSource)]
     if len(sources) > 1:
-        raise CaseError("circuit: found two torque sources, allowed one")
+        raise CaseError("circuit", "two torque sources", "one")
     turning = sum(part.inertia for part in parts if isinstance(part, (keys.Fan, keys.Inertia)))
     startup = description.startup
     return FreeShaft(
@@ -299,6 +301,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
         breakaway_torque=startup.torque if startup else 0.0,
         breakaway_speed=startup.speed if startup else 1.0,
         breakaway_law=startup.law if startup else "total",
+        seal_ratio=startup.seal_ratio if startup else 1.0,
         load_schedule=history(sources[0], "torque", "N m") if sources else np.zeros((0, 2)),
     )
 
@@ -306,11 +309,12 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
 def _coupling(circuit: keys.Circuit, load_inertia: float) -> ShaftCoupling | None:
     parts = [part for part in circuit.elements.values() if isinstance(part, keys.Coupling)]
     if len(parts) > 1:
-        raise CaseError("circuit: found two couplings, allowed one")
+        raise CaseError("circuit", "two couplings", "one")
     if parts and load_inertia <= 0.0:
         raise CaseError(
-            "circuit: found a coupling without inertia beyond it, allowed one with a fan or "
-            "an inertia above 0 kg m^2"
+            "circuit",
+            "a coupling without inertia beyond it",
+            "one with a fan or an inertia above 0 kg m^2",
         )
     return ShaftCoupling(parts[0].stiffness, parts[0].damping) if parts else None
 
@@ -319,8 +323,8 @@ def speed_of(circuit: keys.Circuit) -> Array | None:
     """Prescribed shaft speed over time, None where the shaft is free. [s], [rad/s]."""
     sources = [part for part in circuit.elements.values() if isinstance(part, keys.SpeedSource)]
     if len(sources) > 1:
-        raise CaseError("circuit: found two speed sources, allowed one")
+        raise CaseError("circuit", "two speed sources", "one")
     couplings = [part for part in circuit.elements.values() if isinstance(part, keys.Coupling)]
     if sources and couplings:
-        raise CaseError("circuit: found a coupling and a speed source, allowed one of them")
+        raise CaseError("circuit", "a coupling and a speed source", "one of them")
     return history(sources[0], "speed", "rpm") if sources else None

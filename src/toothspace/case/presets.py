@@ -172,9 +172,14 @@ FILMS = Preset(
 )
 ELASTIC = Preset(
     name="elastic",
-    content="Films, with elastic surfaces, asperity contact and floating parts in balance.",
+    content="Films, with elastic surfaces, asperity contact and floating parts in balance; beside "
+    "covers that rest, films solved on grids.",
     module="toothspace.run.elastic",
-    interfaces={"journal": ("reynolds", "closed_form"), "lateral": ("elastic",), **_CONTACTS},
+    interfaces={
+        "journal": ("reynolds", "closed_form"),
+        "lateral": ("elastic", "reynolds"),
+        **_CONTACTS,
+    },
     keys=ElasticKeys,
     unused=("startup",),
 )

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
 from toothspace.case.conditions import HeatSettings
 from toothspace.case.overrides import CONDITIONS
-from toothspace.case.presets import ELASTIC, PRESETS, Preset
+from toothspace.case.presets import PRESETS, Preset
 from toothspace.case.stand_alone import LateralFilmCase
 from toothspace.case.tables import CaseTables
-from toothspace.core.errors import CaseError
-from toothspace.core.keys import Problem
+from toothspace.core.errors import CaseError, Problem
 from toothspace.core.units import format_si
 from toothspace.model.operating_point import OperatingCondition
 
@@ -41,13 +41,15 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
     if case.run.film_tables is not None and not preset.reads("film_tables"):
         allowed = f"fidelity {_presets(p for p in PRESETS.values() if p.reads('film_tables'))}"
         yield Problem("run.film_tables", f"tables with {preset.name!r}", allowed)
-    if case.heat != HeatSettings() and (given[0] != "operating_point" or not preset.has_losses):
+    # the choice of warm films alone stands in cases that also run without losses, or over time
+    given_heat = replace(case.heat, model="network") != HeatSettings()
+    if given_heat and (given[0] != "operating_point" or not preset.has_losses):
         found = f"a table [heat] with [{given[0]}] and fidelity {preset.name!r}"
         warm = _presets(one for one in PRESETS.values() if one.has_losses)
         yield Problem("heat", found, f"[operating_point] and fidelity {warm}")
-    elif case.heat.model == "coupled" and preset is ELASTIC:
-        found = "'coupled' with fidelity 'elastic'"
-        yield Problem("heat.model", found, "'network'; run.film_oil_share warms its lateral films")
+    elif case.heat.model == "coupled" and case.run.film_oil_share > 0.0:
+        found = f"{case.run.film_oil_share:g} with heat.model = 'coupled'"
+        yield Problem("run.film_oil_share", found, "0: the heat network warms the lateral films")
     if case.fluid is not None:
         yield from _fluid(case)
     if case.operating_point is not None:
@@ -97,9 +99,8 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             if temperature != fluid.temperature:
                 fluid_law(fluid.source, temperature)
         except CaseError as error:
-            key, _, reason = str(error).partition(": found ")
-            found, _, allowed = reason.rpartition(", allowed ")
-            yield Problem(key if path == "fluid.temperature" else path, found, allowed)
+            problem = error.problems[0]
+            yield problem if path == "fluid.temperature" else problem._replace(key=path)
             return
     lowest = law.vapour_pressure
     allowed = f"above the vapour pressure of the fluid, {_bar(lowest)}, absolute"

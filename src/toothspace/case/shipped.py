@@ -32,7 +32,7 @@ def shipped_case(name: str) -> Path:
     """
     names = [path.stem for path in sorted(shipped_folder("cases").glob("*.toml"))]
     if name not in names:
-        raise CaseError(f"case: found {name!r}, allowed {suggestion(name, names)}")
+        raise CaseError("case", f"{name!r}", suggestion(name, names))
     return shipped_folder("cases") / f"{name}.toml"
 
 
@@ -61,7 +61,7 @@ def copy_case(name: str, folder: Path, *, replace: bool = False) -> list[Path]:
     targets = [folder / source.relative_to(home) for source in sources]
     for target in targets:
         if target.exists() and not replace:
-            raise CaseError(f"{target}: found a file, allowed a new name, or --force to replace it")
+            raise CaseError(target, "a file", "a new name, or --force to replace it")
     for source, target in zip(sources, targets, strict=True):
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, target)

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Integer,
-    KeyRuleError,
     KeyTable,
     Number,
     QuantityKey,
-    Row,
     Table,
     choice,
     flag,
     forbid,
-    integer,
     items,
     number,
     pair,
@@ -26,6 +23,7 @@ from toothspace.core.keys import (
     require,
     table,
 )
+from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 
 _CELLS = Integer(low=4, high=5000)
 _RATIO = Number(low=-0.999, high=0.999)
@@ -35,104 +33,6 @@ _MOMENT = QuantityKey(unit="N m", low=-1e6, high=1e6)
 _MOST_STEPS = 100_000
 _TILT = QuantityKey(unit="rad", low=-0.1, high=0.1)
 _GRID_DOC = "Number of cells in both directions."
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class FilmSurfaces(KeyTable):
-    """``surfaces``: roughness and contact of the two walls of a film."""
-
-    moving_roughness: float = quantity(
-        "um", "Root mean square roughness of the moving wall.", low=0, high=100
-    )
-    resting_roughness: float = quantity(
-        "um", "Root mean square roughness of the resting wall.", low=0, high=100
-    )
-    moving_pattern: float = number(
-        "Correlation length of the moving wall along over across the motion.",
-        low=1 / 9,
-        high=9,
-        default=1.0,
-    )
-    resting_pattern: float = number("The same of the resting wall.", low=1 / 9, high=9, default=1.0)
-    correlation_length: float = quantity(
-        "um", "Half-height correlation length, combined.", above=0, high=1000, default=15e-6
-    )
-    effective_modulus: float = quantity(
-        "GPa", "2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2].", above=0, high=2000, default=1.55e11
-    )
-    hardness: float = quantity(
-        "MPa", "Hardness of the softer wall.", above=0, high=100000, default=1e9
-    )
-    boundary_friction: float = number(
-        "Friction coefficient of touching asperities.", low=0, high=2, default=0.1
-    )
-    contact_law: str = choice(
-        "Law of the asperity pressure.",
-        "elastic_plastic",
-        "greenwood_tripp",
-        "kogut_etsion",
-        "table",
-        "none",
-        default="elastic_plastic",
-    )
-    asperity_product: float = number(
-        "Density times radius of the asperities times roughness, of Greenwood and Tripp.",
-        above=0,
-        high=1,
-        default=0.04,
-    )
-    roughness_over_radius: float = number(
-        "Roughness over asperity radius, of Greenwood and Tripp.", above=0, high=1, default=1e-3
-    )
-    contact_points: tuple[tuple[float, float], ...] = items(
-        Row(items=(Number(low=-5, high=20), QuantityKey(unit="MPa", above=0, high=1e6))),
-        "Gap over roughness and asperity pressure, for the law 'table'.",
-        low=0,
-        default=(),
-    )
-
-    def __post_init__(self) -> None:
-        if self.moving_roughness + self.resting_roughness <= 0.0:
-            raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
-        if self.contact_law != "table":
-            return
-        ratios = [point[0] for point in self.contact_points]
-        pressures = [point[1] for point in self.contact_points]
-        growing = all(b > a for a, b in pairwise(ratios))
-        falling = all(b <= a for a, b in pairwise(pressures))
-        if len(ratios) < 2 or not growing or not falling:
-            found = f"{len(ratios)} points" if len(ratios) < 2 else "gaps or pressures out of order"
-            allowed = "two points or more with a growing gap and a falling pressure"
-            raise KeyRuleError("contact_points", found, allowed)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class BearingGroove(KeyTable):
-    """One of ``[[bearing.grooves]]``: patch of constant pressure."""
-
-    angle: float = quantity("deg", "Centre, from x towards y.", low=-360, high=360)
-    width: float = quantity("deg", "Extent along the circumference.", above=0, high=360)
-    length: float = quantity("mm", "Axial extent, centred.", above=0, high=1000)
-    pressure: float = quantity("bar", "Absolute pressure.", low=0, high=1000)
-    position: float = quantity(
-        "mm", "Axial position of its centre, from the middle.", low=-1000, high=1000, default=0.0
-    )
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class BearingLobes(KeyTable):
-    """``lobes``: bore of equal circular arcs that are moved towards the middle."""
-
-    count: int = integer("Number of lobes; two make an ellipse.", low=1, high=12)
-    preload: float = number(
-        "Displacement of the lobes over the radial clearance of their own circle.", low=0, high=0.99
-    )
-    angle: float = quantity(
-        "deg", "Middle of the first lobe, from x towards y.", low=-360, high=360, default=0.0
-    )
 
 
 @final
@@ -164,10 +64,10 @@ class ShaftOrbit(KeyTable):
     def __post_init__(self) -> None:
         if self.time_step > self.duration:
             found = f"{self.time_step:g} s"
-            raise KeyRuleError("time_step", found, f"at most the duration, {self.duration:g} s")
+            raise CaseError("time_step", found, f"at most the duration, {self.duration:g} s")
         if self.duration > _MOST_STEPS * self.time_step:
             found = f"{self.duration / self.time_step:.0f} steps"
-            raise KeyRuleError("time_step", found, f"at most {_MOST_STEPS} steps")
+            raise CaseError("time_step", found, f"at most {_MOST_STEPS} steps")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,8 +90,8 @@ class FilmKeys(KeyTable):
         "dowson_higginson",
         default="constant",
     )
-    surfaces: FilmSurfaces | None = table(
-        FilmSurfaces, "Roughness and contact; smooth walls without it.", default=None
+    surfaces: RoughSurfaces | None = table(
+        RoughSurfaces, "Roughness and contact; smooth walls without it.", default=None
     )
     heat: FilmHeat | None = table(
         FilmHeat,
@@ -230,10 +130,10 @@ class JournalBearingCase(FilmKeys):
         "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=1e5
     )
     grid: tuple[int, int] = pair(_CELLS, _GRID_DOC, default=(200, 53))
-    grooves: tuple[BearingGroove, ...] = items(
-        Table(spec=BearingGroove), "Supply grooves.", low=0, high=100, default=()
+    grooves: tuple[Groove, ...] = items(
+        Table(spec=Groove), "Supply grooves.", low=0, high=100, default=()
     )
-    lobes: BearingLobes | None = table(BearingLobes, "Lobes; a cylinder without.", default=None)
+    lobes: Lobes | None = table(Lobes, "Lobes; a cylinder without.", default=None)
     bush_speed: float = quantity(
         "rpm", "Speed of the bush; grooves rest.", low=-100000, high=100000, default=0.0
     )
@@ -257,9 +157,9 @@ class JournalBearingCase(FilmKeys):
         else:
             forbid(self, "because load is given", "eccentricity")
         if self.moment is not None and self.orbit is not None:
-            raise KeyRuleError("moment", "a moment with an orbit", "one of both")
+            raise CaseError("moment", "a moment with an orbit", "one of both")
         if self.eccentricity is not None and sum(e * e for e in self.eccentricity) >= 1.0:
-            raise KeyRuleError("eccentricity", str(list(self.eccentricity)), "length below 1")
+            raise CaseError("eccentricity", str(list(self.eccentricity)), "length below 1")
 
 
 @final
@@ -343,7 +243,7 @@ class RingFilmCase(FilmKeys):
     def __post_init__(self) -> None:
         if self.inner_radius >= self.outer_radius:
             found = f"{1e3 * self.inner_radius:g} mm"
-            raise KeyRuleError("inner_radius", found, "below the outer radius")
+            raise CaseError("inner_radius", found, "below the outer radius")
         if self.inner_pressure is None and self.outer_pressure is None:
             require(self, "unless inner_pressure is given", "outer_pressure")
 

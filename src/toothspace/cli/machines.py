@@ -47,7 +47,7 @@ def geometry(
     """Build the geometry tables of a machine and check its design."""
     if export is not None and export not in _EXPORT_FORMATS:
         allowed = ", ".join(_EXPORT_FORMATS)
-        raise CaseError(f"{case_file}: --export: found {export!r}, allowed {allowed}")
+        raise CaseError(f"{case_file}: --export", f"{export!r}", allowed)
     case = load(case_file, overrides)
     plots = [] if plot is None else [plot, plot.with_stem(f"{plot.stem}_openings")]
     if tables is not None:
@@ -97,7 +97,7 @@ def _export(case: Case, suffix: str, *, force: bool) -> None:
     part = optional_part(case.machine_type, "export")
     if part is None:
         allowed = ", ".join(n for n in machine_type_names() if optional_part(n, "export"))
-        raise CaseError(f"--export: found machine type {case.machine_type!r}, allowed {allowed}")
+        raise CaseError("--export", f"machine type {case.machine_type!r}", allowed)
 
     def write(place: Path) -> None:
         part.export_profiles(case.machine_spec, place / case.name, suffix)
@@ -141,9 +141,9 @@ def gear(
     file = files[0]
     if unit not in _FILE_UNITS:
         allowed = ", ".join(_FILE_UNITS)
-        raise CaseError(f"{file}: --unit: found {unit!r}, allowed {allowed}")
+        raise CaseError(f"{file}: --unit", f"{unit!r}", allowed)
     if axis not in (None, *AXES):
-        raise CaseError(f"{file}: --axis: found {axis!r}, allowed {', '.join(AXES)}")
+        raise CaseError(f"{file}: --axis", f"{axis!r}", ", ".join(AXES))
     if plot is not None:
         require_writable(plot, "--plot", replace=force, endings=_PICTURES)
     if case is not None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toothspace.cli import output
-from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def read_quantity(option: str, text: str, unit: str) -> float:
     try:
         return parse_quantity(text, unit)
     except CaseError as error:
-        raise CaseError(f"{option}: {error}") from error
+        raise error.read_for(option) from error
 
 
 @contextmanager
@@ -70,7 +70,5 @@ def named(case_file: Path) -> Iterator[None]:
     """Put the case file in front of messages of later stages."""
     try:
         yield
-    except ToothspaceError as error:
-        if str(error).startswith((str(case_file), f"{case_file.stem}: ")):
-            raise
-        raise type(error)(f"{case_file}: {error}") from error
+    except CaseError as error:
+        raise error.in_file(str(case_file)) from error

@@ -120,7 +120,7 @@ def app(
 ) -> None:
     """Fill in a case in the browser and run it, on this computer alone."""
     if not folder.is_dir():
-        raise CaseError(f"{folder}: found no folder, allowed one with case files")
+        raise CaseError(folder, "no folder", "one with case files")
     import webbrowser
 
     from toothspace.app.server import FormServer

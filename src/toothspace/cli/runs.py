@@ -70,12 +70,12 @@ def run(
     for table in ("bearing", "film"):
         if getattr(case, table) is not None:
             allowed = f"with 'toothspace {table}' only"
-            raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
+            raise CaseError(f"{case_file}: {table}", f"a stand-alone {table}", allowed)
     if case.study is not None and without_study:
         case = case.replace({"study": None})
     elif case.study is not None:
         allowed = f"with 'toothspace study {case_file}', or --without-study for one run of the case"
-        raise CaseError(f"{case_file}: study: found {case.study_kind!r}, allowed {allowed}")
+        raise CaseError(f"{case_file}: study", f"{case.study_kind!r}", allowed)
     target = require_writable(
         result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
     )
@@ -151,10 +151,10 @@ def study(
 
     folder = folder or Path(f"{case_file.stem}_study")
     if folder.exists() and not folder.is_dir():
-        raise CaseError(f"{folder}: -o: found a file, allowed a folder")
+        raise CaseError(f"{folder}: -o", "a file", "a folder")
     if not (resume or force) and any((folder / name).exists() for name in _STUDY_FILES):
         raise CaseError(
-            f"{folder}: -o: found results of a study, allowed another folder, --resume or --force"
+            f"{folder}: -o", "results of a study", "another folder, --resume or --force"
         )
     with named(case_file), output.progress(f"{case.study_kind}:") as progress:
         result = run_study(
@@ -187,7 +187,7 @@ def _film_command(table: str, meaning: str) -> Callable[..., int]:
         )
         case = load(case_file, overrides)
         if getattr(case, table) is None:
-            raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
+            raise CaseError(f"{case_file}: {table}", "nothing", f"a table [{table}]")
         from toothspace import api
         from toothspace.films.summaries import grid_report
 
@@ -313,5 +313,5 @@ def _positive(option: str, texts: list[str] | None, unit: str) -> list[float]:
     values = [read_quantity(option, text, unit) for text in texts or ()]
     for text, value in zip(texts or (), values, strict=True):
         if not value > 0.0:
-            raise CaseError(f"{option}: found {text!r}, allowed above zero")
+            raise CaseError(option, f"{text!r}", "above zero")
     return values

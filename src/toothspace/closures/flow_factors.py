@@ -120,7 +120,7 @@ def pattern_columns(pattern: float) -> PatternColumns:
     .. [2] N. Patir, H. S. Cheng, J. Lubr. Technol. 101 (1979) 220-230, tables 1, 3 and 4.
     """
     if not PATTERNS[0] - 1e-9 <= pattern <= PATTERNS[-1] + 1e-9:
-        raise CaseError(f"roughness.pattern: found {pattern!r}, allowed are values from 1/9 to 9")
+        raise CaseError("roughness.pattern", f"{pattern!r}", "are values from 1/9 to 9")
     first = int(np.clip(np.searchsorted(PATTERNS, pattern) - 1, 0, PATTERNS.size - 2))
     weight = (pattern - PATTERNS[first]) / (PATTERNS[first + 1] - PATTERNS[first])
     tables = (_PRESSURE, _SHEAR, _STRESS_CORRECTION, _PRESSURE_STRESS)

@@ -81,7 +81,7 @@ def path_of(given: object, name: str, allowed: str) -> Path:
         If it is anything else.
     """
     if not isinstance(given, (str, os.PathLike)):
-        raise CaseError(f"{name}: found {reprlib.repr(given)}, allowed {allowed}")
+        raise CaseError(name, reprlib.repr(given), allowed)
     return Path(given)
 
 
@@ -105,14 +105,14 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
     try:
         if not path.is_file() and path.exists():
             found = "a directory" if path.is_dir() else "a device or pipe"
-            raise CaseError(f"{label}: found {found}, allowed {allowed}")
+            raise CaseError(label, found, allowed)
         size = path.stat().st_size
         if size > most:
-            raise CaseError(f"{label}: found {size} bytes, allowed at most {most}")
+            raise CaseError(label, f"{size} bytes", f"at most {most}")
         return path.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "no such file"
-        raise CaseError(f"{label}: found {reason!r}, allowed {allowed}") from error
+        raise CaseError(label, f"{reason!r}", allowed) from error
 
 
 @contextmanager
@@ -138,7 +138,7 @@ def reading(path: object, allowed: str) -> Iterator[None]:
         raise
     except Exception as error:
         found = f"a file that cannot be read as one ({type(error).__name__})"
-        raise GeometryError(f"{path}: found {found}, allowed {allowed}") from error
+        raise GeometryError(path, found, allowed) from error
 
 
 def write_bytes(target: str | Path, content: bytes) -> Path:
@@ -170,7 +170,7 @@ def require_ending(target: Path, label: str, endings: tuple[str, ...]) -> None:
     """
     if target.suffix.lower() not in endings:
         found = f"the ending {target.suffix!r}" if target.suffix else "a name without ending"
-        raise CaseError(f"{target}: {label}: found {found}, allowed {', '.join(endings)}")
+        raise CaseError(f"{target}: {label}", found, ", ".join(endings))
 
 
 def require_writable(target: Path, option: str, *, replace: bool, endings: tuple[str, ...]) -> Path:
@@ -195,10 +195,10 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
     """
     try:
         if target.is_dir():
-            raise CaseError(f"{target}: {option}: found a directory, allowed a file name")
+            raise CaseError(f"{target}: {option}", "a directory", "a file name")
         if not target.parent.is_dir():
             found = f"no folder {target.parent}"
-            raise CaseError(f"{target}: {option}: found {found}, allowed an existing one")
+            raise CaseError(f"{target}: {option}", found, "an existing one")
         if target.exists():
             _require_replaceable(target, option, replace=replace)
         # names may be too long or hold what the disk refuses; a kill leaves none of that name
@@ -211,17 +211,17 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         found = f"{reason!r} on writing"
-        raise CaseError(f"{target}: {option}: found {found}, allowed a writable place") from error
+        raise CaseError(f"{target}: {option}", found, "a writable place") from error
     require_ending(target, option, endings)
     return target
 
 
 def _require_replaceable(target: Path, option: str, *, replace: bool) -> None:
     if not target.is_file():
-        raise CaseError(f"{target}: {option}: found a device or pipe, allowed a file name")
+        raise CaseError(f"{target}: {option}", "a device or pipe", "a file name")
     if not replace:
         found = "a file that exists"
-        raise CaseError(f"{target}: {option}: found {found}, allowed a new one, or --force")
+        raise CaseError(f"{target}: {option}", found, "a new one, or --force")
 
 
 def plain(value: Any) -> Any:

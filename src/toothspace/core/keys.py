@@ -5,7 +5,7 @@ JSON Schema and the documentation follow from it. Every construction of a :class
 checks its values: a number behind a key with a unit is in SI units, a text or a
 :class:`toothspace.core.units.Quantity` carries its unit.
 
->>> from dataclasses import dataclass
+>>> from dataclasses import dataclass, is_dataclass
 >>> @dataclass(frozen=True, kw_only=True)
 ... class Casing(KeyTable):
 ...     radial_clearance: float = quantity("um", "Bore radius minus tip radius.", above=0, high=500)
@@ -19,12 +19,12 @@ import difflib
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn, final
+from typing import Any, NoReturn, final
 
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, Problem, joined
 from toothspace.core.frozen import Columns, FrozenDict, Points
 from toothspace.core.units import (
     as_text,
@@ -42,61 +42,19 @@ _QUANTITY_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*|\s+1/)[A-Za-
 Schema = dict[str, Any]
 
 
-class Problem(NamedTuple):
-    """What is wrong with one key: its path, what stands there and what may stand there."""
-
-    key: str
-    found: str
-    allowed: str
-
-    def __str__(self) -> str:
-        return f"{self.key}: found {self.found}, allowed {self.allowed}"
-
-
-@final
-class KeyRuleError(CaseError):
-    """Keys that cannot be read or a rule between keys that is broken.
-
-    Raised by ``__post_init__`` of a table with the key relative to the table.
-
-    Parameters
-    ----------
-    key : str
-        Key path relative to the table, empty for the table itself.
-    found, allowed : str
-        What stands there and what may stand there.
-    """
-
-    def __init__(self, key: str, found: str, allowed: str) -> None:
-        super().__init__(str(Problem(key, found, allowed)))
-        self.problems: tuple[Problem, ...] = (Problem(key, found, allowed),)
-
-    @classmethod
-    def of(cls, problems: Iterable[Problem]) -> KeyRuleError:
-        """Return one error of one or more problems."""
-        given = tuple(problems)
-        error = cls(*given[0])
-        error.problems = given
-        error.args = ("\n".join(map(str, given)),)
-        return error
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return KeyRuleError.of, (self.problems,)
-
-
 def require(owner: object, reason: str, *names: str) -> None:
     """Refuse a missing key that another choice makes compulsory."""
     for name in names:
         if getattr(owner, name) is None:
             wanted = keys_of(type(owner))[name][0].allowed()
-            raise KeyRuleError(name, "nothing", f"{wanted}; this key is compulsory {reason}")
+            raise CaseError(name, "nothing", f"{wanted}; this key is compulsory {reason}")
 
 
 def forbid(owner: object, reason: str, *names: str) -> None:
     """Refuse a key that contradicts another one."""
     for name in names:
         if getattr(owner, name) is not None:
-            raise KeyRuleError(name, "a value", f"leave this key out {reason}")
+            raise CaseError(name, "a value", f"leave this key out {reason}")
 
 
 def instead_of(owner: object, name: str, *others: str) -> None:
@@ -114,11 +72,6 @@ def shown(raw: Any) -> str:
     return text if len(text) <= _LONGEST_FOUND else f"{text[:_LONGEST_FOUND]}..."
 
 
-def joined(path: str, key: str) -> str:
-    """Return the path of a key inside a table; an index follows without a dot."""
-    return f"{path}.{key}" if path and key and not key.startswith("[") else f"{path}{key}"
-
-
 class Problems(list[Problem]):
     """Problems of several keys, raised together once all of them are read."""
 
@@ -126,7 +79,7 @@ class Problems(list[Problem]):
         """Return what ``read`` returns for a value; keep its problems under a path."""
         try:
             return read(raw, replace(source, path=joined(source.path, path)))
-        except KeyRuleError as error:
+        except CaseError as error:
             self.extend(p._replace(key=joined(path, p.key)) for p in error.problems)
 
     def settle(self) -> None:
@@ -134,11 +87,11 @@ class Problems(list[Problem]):
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             With all problems.
         """
         if self:
-            raise KeyRuleError.of(self)
+            raise CaseError.of(self)
 
 
 @final
@@ -177,7 +130,7 @@ class Key:
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             With the key relative to this one.
         """
         raise NotImplementedError
@@ -196,7 +149,7 @@ class Key:
 
     def fail(self, found: str) -> NoReturn:
         """Refuse what was found."""
-        raise KeyRuleError("", found, self.allowed())
+        raise CaseError("", found, self.allowed())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,8 +222,7 @@ class QuantityKey(Bounded, Key):
         try:
             return parse_quantity(given, self.unit, self.allowed())
         except CaseError as error:
-            found = str(error).removeprefix("found ").removesuffix(f", allowed {self.allowed()}")
-            self.fail(found)
+            self.fail(error.problems[0].found)
 
     def written(self, value: float, file_text: FileText) -> str:
         return exact_text(value, self.unit)
@@ -579,14 +531,18 @@ class Table(Key):
         return f"a table with the keys {', '.join(keys_of(self.spec))}"
 
     def read(self, raw: Any, source: Source) -> Any:
-        return raw if isinstance(raw, self.spec) else self.spec(**self.values(raw, source))
+        if isinstance(raw, KeyTable):
+            return raw if isinstance(raw, self.spec) else self.fail(shown(raw))
+        # an object of a plain class was not checked when it was made
+        given = _read_again(raw) if isinstance(raw, self.spec) else self.values(raw, source)
+        return self.spec(**given)
 
     def values(self, raw: Any, source: Source) -> dict[str, Any]:
         """Return the values of the fields that are given.
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             With all keys that are unknown, missing or refused.
         """
         if not isinstance(raw, Mapping):
@@ -639,6 +595,17 @@ class Table(Key):
         }
 
 
+def _read_again(table: Any) -> dict[str, Any]:
+    """Values of an object that differ from their defaults, checked, texts with units in SI."""
+    problems, values = Problems(), {}
+    for name, (key, declared) in keys_of(type(table)).items():
+        value = getattr(table, name)
+        if value is not declared.default:
+            values[name] = problems.of(name, key.read, value, _PYTHON)
+    problems.settle()
+    return values
+
+
 def _without_named(
     declared: Mapping[str, tuple[Key, Field[Any]]], raw: Mapping[str, Any]
 ) -> tuple[dict[str, Any], Mapping[str, Any]]:
@@ -685,7 +652,7 @@ class Variant(Key):
         name, kinds = raw.get(self.tag), self.variants
         if not isinstance(name, str) or name not in kinds:
             found = "nothing" if name is None else shown(name)
-            raise KeyRuleError(self.tag, found, " or ".join(f"'{kind}'" for kind in kinds))
+            raise CaseError(self.tag, found, " or ".join(f"'{kind}'" for kind in kinds))
         rest = {other: value for other, value in raw.items() if other != self.tag}
         return Table(spec=kinds[name]).read(rest, source)
 
@@ -762,7 +729,8 @@ class KeyTable:
     """Base of the frozen dataclasses that hold the keys of a case.
 
     Every construction, :func:`dataclasses.replace` included, checks each value along its
-    declaration before the table's own rules in ``__post_init__``.
+    declaration before the table's own rules in ``__post_init__``. A class of the physics whose
+    fields are keys is a plain dataclass: its values are checked where a case takes them.
     """
 
     def __init_subclass__(cls) -> None:
@@ -772,13 +740,8 @@ class KeyTable:
             return  # the base checks the values and its own rules
 
         def checked(self: Any) -> None:
-            problems = Problems()
-            for name, (key, declared) in keys_of(type(self)).items():
-                value = getattr(self, name)
-                if value is not declared.default:
-                    # a text with a unit becomes a number in SI units
-                    object.__setattr__(self, name, problems.of(name, key.read, value, _PYTHON))
-            problems.settle()
+            for name, value in _read_again(self).items():
+                object.__setattr__(self, name, value)
             if rules is not None:
                 rules(self)
 
@@ -852,6 +815,11 @@ def file_path(doc: str, *suffixes: str, default: Any = None, **instead: bool) ->
 def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:
     """Declare a sub-table read to the dataclass ``spec``."""
     return declare(Table(doc=doc, spec=spec), default)
+
+
+def is_table(value: object) -> bool:
+    """Whether an object holds keys."""
+    return is_dataclass(value) and bool(keys_of(type(value)))
 
 
 def keys_of(spec: type) -> dict[str, tuple[Key, Field[Any]]]:

@@ -97,12 +97,12 @@ def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset
     place = path_of(path, "result", allowed)
     if not place.is_file():
         found = "a folder" if place.is_dir() else "no file" if place.exists() else "nothing"
-        raise CaseError(f"{path}: found {found}, allowed {allowed}")
+        raise CaseError(path, found, allowed)
     intact = _is_as_written(place)
     if intact is False:
         found = "a damaged file, which differs from its checksum"
-        raise CaseError(f"{path}: found {found}, allowed {allowed} as it was written")
-    unreadable = CaseError(f"{path}: found a file that cannot be read as one, allowed {allowed}")
+        raise CaseError(path, found, f"{allowed} as it was written")
+    unreadable = CaseError(path, "a file that cannot be read as one", allowed)
     try:
         if intact or _is_readable(place):
             return _with_text(

@@ -26,6 +26,5 @@ def package_of_extra(name: str, extra: str, use: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise GeometryError(
-            f'{use} but not the package for it, allowed after pip install "toothspace[{extra}]"'
-        ) from error
+        needed = f'allowed after pip install "toothspace[{extra}]"'
+        raise GeometryError(f"{use} but not the package for it, {needed}") from error

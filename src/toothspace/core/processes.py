@@ -17,7 +17,6 @@ from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
-from toothspace.core.errors import CaseError
 from toothspace.core.interrupts import ENDING
 
 _THREADS = "TOOTHSPACE_THREADS"
@@ -188,8 +187,5 @@ def outcomes(function: Callable[[Any], Any], items: Iterable[Any], workers: int)
 def _outcome(function: Callable[[Any], Any], item: Any) -> Any:
     try:
         return function(item)
-    except CaseError as error:
-        # its subclasses may not survive the way between processes
-        return CaseError(str(error))
     except Exception as error:
         return error

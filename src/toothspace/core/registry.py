@@ -71,7 +71,7 @@ def machine_type(name: str) -> Any:
     if name in modules:
         return import_module(modules[name]).MACHINE
     allowed = ", ".join(machine_type_names())
-    raise CaseError(f"machine.type: found {name!r}, allowed {allowed}")
+    raise CaseError("machine.type", f"{name!r}", allowed)
 
 
 def optional_part(name: str, part: str) -> Any:

@@ -69,7 +69,7 @@ def read_rows(path: Path) -> list[list[str]]:
         separator = ";" if ";" in text.partition("\n")[0] else ","
         return [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
     except (csv.Error, UnicodeDecodeError) as error:
-        raise CaseError(f"{path}: found {error}, allowed {allowed}") from error
+        raise CaseError(path, error, allowed) from error
 
 
 def _names(rows: list[list[str]]) -> dict[str, tuple[int, str]]:
@@ -83,12 +83,12 @@ def _column(
 ) -> Array:
     if name not in names:
         found = ", ".join(names) or "none"
-        raise CaseError(f"{path}: columns: found {found}, allowed one named '{name} [{wanted}]'")
+        raise CaseError(f"{path}: columns", found, f"one named '{name} [{wanted}]'")
     place, unit = names[name]
     require_unit(path, name, unit, wanted)
     values = np.array([read_number(path, row, place, name) for row in rows])
     if values.size == 0:
-        raise CaseError(f"{path}: {name}: found no rows, allowed at least one")
+        raise CaseError(f"{path}: {name}", "no rows", "at least one")
     if unit == "1":
         return values
     return np.array([to_si(value, unit) for value in values])
@@ -107,7 +107,7 @@ def require_unit(path: Path, name: str, unit: str, wanted: str) -> None:
     except CaseError:
         fits = False
     if not fits:
-        raise CaseError(f"{path}: {name}: found the unit {reprlib.repr(unit)}, allowed {wanted!r}")
+        raise CaseError(f"{path}: {name}", f"the unit {reprlib.repr(unit)}", f"{wanted!r}")
 
 
 def read_number(path: Path, row: list[str], place: int, name: str) -> float:
@@ -124,9 +124,7 @@ def read_number(path: Path, row: list[str], place: int, name: str) -> float:
         value = float("nan")
     if not np.isfinite(value):
         found = row[place] if place < len(row) else "nothing"
-        raise CaseError(
-            f"{path}: {name}: found {reprlib.repr(found)}, allowed a number in every row"
-        )
+        raise CaseError(f"{path}: {name}", reprlib.repr(found), "a number in every row")
     return value
 
 
@@ -159,8 +157,9 @@ def read_grid(path: Path, units: Mapping[str, str]) -> tuple[Array, Array, Array
     if min(map(len, axes)) < 2 or not all(map(np.array_equal, given, full)):
         one, two, _ = units
         raise CaseError(
-            f"{path}: found {len(values)} rows at {len(axes[0])} values of {one} and "
-            f"{len(axes[1])} of {two}, allowed each pair once and at least two of both"
+            path,
+            f"{len(values)} rows at {len(axes[0])} values of {one} and {len(axes[1])} of {two}",
+            "each pair once and at least two of both",
         )
     return *axes, values[order].reshape(len(axes[0]), len(axes[1]))
 
@@ -187,5 +186,5 @@ def read_signal(path: Path, name: str, unit: str) -> Array:
     """
     columns = read_columns(path, {"time": "s", name: unit})
     if np.any(np.diff(columns["time"]) <= 0.0):
-        raise CaseError(f"{path}: time: found times that fall or repeat, allowed increasing ones")
+        raise CaseError(f"{path}: time", "times that fall or repeat", "increasing ones")
     return np.column_stack([columns["time"], columns[name]])

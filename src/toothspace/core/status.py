@@ -29,6 +29,10 @@ class Status(Enum):
         "The temporary folder took no more samples; what was computed is kept. Point TMPDIR at a "
         "folder with more space, lower run.time_samples or choose run.channels."
     )
+    NOT_REACHED = (
+        "The run did not reach what was asked: a warning says by how much, and what can be asked. "
+        "Follow it."
+    )
     RUNAWAY = (
         "The film has no solution: its viscosity grows with the pressure so fast that no finite "
         "pressure balances the flow. Lower pressure_viscosity, speed or load, or open the gap."

@@ -55,6 +55,7 @@ _NUMBER = re.compile(
     r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?))\s*(.*?)\s*",
     re.IGNORECASE | re.DOTALL,
 )
+_A_UNIT = "one such as mm, bar, rpm, L/min, degC"
 _LONGEST_TEXT = 100
 """Longer texts are no quantity: reading a product takes time with the number of its factors."""
 
@@ -99,14 +100,14 @@ def _registry() -> Any:
 def _unit(text: str) -> Any:
     if len(text) > _LONGEST_TEXT or not _UNIT_TEXT.fullmatch(text):
         if text.startswith(","):
-            raise CaseError(f"found a comma, for a decimal point, before the unit {text!r}")
-        raise CaseError(f"found an unknown unit {_short(text)!r}")
+            raise CaseError("", f"a comma, for a decimal point, before the unit {text!r}", _A_UNIT)
+        raise CaseError("", f"an unknown unit {_short(text)!r}", _A_UNIT)
     try:
         # alone, the sign is that of an angle
         plain = text.replace("·", "*").replace("°C", "degC").replace("°F", "degF")
         return _registry().Unit(plain)
     except Exception as error:
-        raise CaseError(f"found an unknown unit {text!r}") from error
+        raise CaseError("", f"an unknown unit {text!r}", _A_UNIT) from error
 
 
 @cache
@@ -117,7 +118,7 @@ def _scale(unit: str) -> tuple[float, float]:
         zero = registry.Quantity(0.0, _unit(unit)).to_root_units().magnitude
         one = registry.Quantity(1.0, _unit(unit)).to_root_units().magnitude
     except ArithmeticError as error:
-        raise CaseError(f"found an unknown unit {unit!r}") from error
+        raise CaseError("", f"an unknown unit {unit!r}", _A_UNIT) from error
     return float(one - zero), float(zero)
 
 
@@ -215,7 +216,7 @@ class Quantity:
     def __post_init__(self) -> None:
         if not isinstance(self.value, Real) or not isinstance(self.unit, str):
             found = f"{self.value!r}, {self.unit!r}"
-            raise CaseError(f"found {found}, allowed a number and the text of a unit")
+            raise CaseError("", found, "a number and the text of a unit")
         split_quantity(str(self))
 
     def __str__(self) -> str:
@@ -260,7 +261,7 @@ def split_quantity(text: str) -> tuple[float, str]:
     """
     match = _matched(text)
     if match is None or not match[2] or not math.isfinite(float(match[1])):
-        raise CaseError(f"found {text!r}, allowed a number with its unit, such as '1 mm'")
+        raise CaseError("", repr(text), "a number with its unit, such as '1 mm'")
     _unit(match[2])
     return float(match[1]), match[2]
 
@@ -312,21 +313,22 @@ def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
     example = allowed or f"{dimension_name(unit)} with its unit, such as '1 {unit}'"
     match = _matched(text)
     if match is None:
-        raise CaseError(f"found {_short(text)!r}, allowed {example}")
+        raise CaseError("", repr(_short(text)), example)
     number, found = float(match[1]), match[2]
     if not math.isfinite(number):
-        raise CaseError(f"found {text!r}, which is not a finite number, allowed {example}")
+        raise CaseError("", f"{text!r}, which is not a finite number", example)
     if not found:
-        raise CaseError(f"found {text!r} without a unit, allowed {example}")
+        raise CaseError("", f"{text!r} without a unit", example)
     try:
         if dimension_name(unit) == "a displacement" and dimension_name(found) == "a volume":
             found = f"({found})/rev"
         fits = compatible(found, unit)
     except CaseError as error:
-        raise CaseError(f"{error} in {text!r}, allowed {example}") from error
+        found = f"{error.problems[0].found} in {text!r}"
+        raise CaseError("", found, example) from error
     if not fits:
-        raise CaseError(f"found {text!r}, {dimension_name(found)}, allowed {example}")
+        raise CaseError("", f"{text!r}, {dimension_name(found)}", example)
     value = to_si(number, found)
     if not math.isfinite(value):
-        raise CaseError(f"found {text!r}, which is too large, allowed {example}")
+        raise CaseError("", f"{text!r}, which is too large", example)
     return value

@@ -276,8 +276,9 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
     lower, info = dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
     if info != 0:
         raise GeometryError(
-            "elastic body: found a body that is not held or not in one piece, allowed are bodies "
-            "with a support or one that floats as a whole"
+            "elastic body",
+            "a body that is not held or not in one piece",
+            "are bodies with a support or one that floats as a whole",
         )
     below, rest, own, passed = front[1:]
     if outer:

@@ -85,7 +85,7 @@ def influence_matrix(
             result = replace(result, error_estimate=gap)
     except GeometryError as error:
         # a body of a file is called by its file
-        raise GeometryError(str(error).replace("elastic body", body.shape.label, 1)) from error
+        raise error.changed(lambda one: one._replace(key=body.shape.label)) from error
     if cache:
         storage.save(name, result)
     return result
@@ -96,7 +96,7 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     for film in body.films:
         wrong = film.mismatch(mesh) if isinstance(film, PlaneSurface) else ""
         if wrong:
-            raise GeometryError(f"elastic body: found {wrong}, allowed the face of the case there")
+            raise GeometryError("elastic body", wrong, "the face of the case there")
     columns = _columns(body, mesh)
     masses = np.repeat(nodal_masses(mesh, body.density), 3)
     mass = float(masses[::3].sum())
@@ -135,8 +135,9 @@ def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[sp.csc_matrix, Ar
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     if np.linalg.eigvalsh(gram * np.outer(scale, scale))[0] < _WORST_GRAM:
         raise GeometryError(
-            f"elastic body: found nodes of film {film.name!r} without elements, allowed are node "
-            "spacings above the element size"
+            "elastic body",
+            f"nodes of film {film.name!r} without elements",
+            "are node spacings above the element size",
         )
     return (spread @ hats).tocsc(), gram
 
@@ -193,7 +194,7 @@ def _supported(
     held: list[IntArray] = []
     for support in body.supports:
         if not support.faces(mesh).any():
-            raise GeometryError("elastic body: found a support without faces, allowed are faces")
+            raise GeometryError("elastic body", "a support without faces", "are faces")
         stiffness = stiffness + support.springs(mesh)
         held.append(support.held(mesh))
     return stiffness.tocsr(), np.unique(np.concatenate(held)).astype(np.int64)

@@ -56,7 +56,7 @@ class InfluenceMatrix:
         """Nodes of a film surface, by its name."""
         names = [film.name for film in self.body.films]
         if surface not in names:
-            raise GeometryError(f"elastic body: found surface {surface!r}, allowed are {names}")
+            raise GeometryError("elastic body", f"surface {surface!r}", f"are {names}")
         place = np.flatnonzero(self.surface == names.index(surface))
         return slice(int(place[0]), int(place[-1]) + 1)
 

@@ -143,9 +143,7 @@ class AreaPressure:
 
 
 def _missed(name: str) -> GeometryError:
-    return GeometryError(
-        f"elastic body: found no surface under load {name!r}, allowed are loads on it"
-    )
+    return GeometryError("elastic body", f"no surface under load {name!r}", "are loads on it")
 
 
 def _shape_at(corners: Array, place: Array) -> Array:

@@ -97,7 +97,7 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
         If there are no parts or the sections are empty.
     """
     if not parts:
-        raise GeometryError("elastic body: found no parts, allowed are one or more prisms")
+        raise GeometryError("elastic body", "no parts", "are one or more prisms")
     plane = triangulate([part.section for part in parts], edge_length)
     points, quads = _quadrilaterals(plane)
     levels = _levels(parts, layer_height)

@@ -54,12 +54,13 @@ class SolidFile:
             If the file or the program ``gmsh`` is missing or the body cannot be meshed.
         """
         if not self.path.is_file():
-            raise GeometryError(f"{self.label}: found no file, allowed is a STEP file")
+            raise GeometryError(self.label, "no file", "is a STEP file")
         program = program_named("gmsh")
         if program is None:
             raise GeometryError(
-                f"{self.label}: found no program gmsh, allowed with it on the path "
-                '(pip install "toothspace[bodies]")'
+                self.label,
+                "no program gmsh",
+                'with it on the path (pip install "toothspace[bodies]")',
             )
         with tempfile.TemporaryDirectory() as folder:
             text = self._meshed(program, Path(folder), scale * self.edge_length / _STEP_UNIT)
@@ -81,10 +82,10 @@ class SolidFile:
             )
         except (subprocess.SubprocessError, OSError) as error:
             raise GeometryError(
-                f"{self.label}: found a body that gmsh cannot mesh, allowed are closed solids"
+                self.label, "a body that gmsh cannot mesh", "are closed solids"
             ) from error
         if not target.is_file():
-            raise GeometryError(f"{self.label}: found no body, allowed is one closed solid")
+            raise GeometryError(self.label, "no body", "is one closed solid")
         return target.read_text()
 
     def key(self) -> tuple[object, ...]:
@@ -100,7 +101,7 @@ def _read(label: str, text: str) -> SolidMesh:
     rows = [line.split() for line in _block(lines, "Elements")]
     solid = [row[-_NODES:] for row in rows if int(row[1]) == _TETRAHEDRON]
     if not solid:
-        raise GeometryError(f"{label}: found no body, allowed is one closed solid")
+        raise GeometryError(label, "no body", "is one closed solid")
     number = np.full(int(nodes[:, 0].max()) + 1, -1, dtype=np.int64)
     number[nodes[:, 0].astype(np.int64)] = np.arange(len(nodes))
     elements = number[np.array(solid, dtype=np.int64)][:, _ORDER]

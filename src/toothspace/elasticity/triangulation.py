@@ -61,7 +61,7 @@ def triangulate(
     """
     whole = shapely.union_all(regions)
     if whole.is_empty or not edge_length > 0.0:
-        raise GeometryError("elastic body: found an empty section, allowed are closed outlines")
+        raise GeometryError("elastic body", "an empty section", "are closed outlines")
     boundary, edges = _boundary_points(regions, edge_length, chord)
     border = shapely.linestrings(boundary[edges])
     inner = _lattice(whole, shapely.union_all(border), edge_length)
@@ -74,8 +74,9 @@ def triangulate(
     used, index = np.unique(triangles, return_inverse=True)
     if used.size < 3:
         raise GeometryError(
-            f"elastic body: found an element size of {edge_length:.3g} m, allowed are sizes that "
-            "resolve the section"
+            "elastic body",
+            f"an element size of {edge_length:.3g} m",
+            "are sizes that resolve the section",
         )
     return Triangulation(points[used], index.reshape(-1, 3).astype(np.int64))
 

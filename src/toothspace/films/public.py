@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from toothspace.closures.journal_friction import FrictionCurve
+from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
 from toothspace.films.journal.bearing import JournalBearing
-from toothspace.films.journal.geometry import Groove, Lobes
 from toothspace.films.journal.mixed_lubrication import (
     FrictionSweep,
     fit_friction_curve,
@@ -24,7 +24,6 @@ from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.summaries import bearing_summary, grid_report, pad_summary
 from toothspace.films.thermal import HeatBalance, HeatedFilm, solve_heated
 

@@ -80,8 +80,9 @@ class HeatBalance:
             return self.supply_temperature
         if film.outflow <= 0.0:
             raise CaseError(
-                f"heat: found an outflow of {film.outflow:.3g} m3/s, allowed are films that oil "
-                "flows out of (side flow of a bearing)"
+                "heat",
+                f"an outflow of {film.outflow:.3g} m3/s",
+                "are films that oil flows out of (side flow of a bearing)",
             )
         capacity = self.density * self.heat_capacity * film.outflow
         return self.supply_temperature + self.oil_share * film.dissipated_power / capacity
@@ -169,9 +170,10 @@ def _rise_beyond(mismatch: Callable[[float], float], first: float, highest: floa
     while mismatch(first + rise) > 0.0:
         if rise >= most:
             raise CaseError(
-                f"heat: found a mean temperature beyond {first + most - ZERO_CELSIUS:.0f} degC, "
-                "allowed are films within the range of the fluid: take more flow, less speed or a "
-                "smaller oil_share"
+                "heat",
+                f"a mean temperature beyond {first + most - ZERO_CELSIUS:.0f} degC",
+                "are films within the range of the fluid: take more flow, less speed or a "
+                "smaller oil_share",
             )
         rise = min(2.0 * rise, most)
     return rise

@@ -99,7 +99,7 @@ def loaded_bodies(
         If a body cannot be meshed or condensed.
     """
     if balance.elastic_bodies is None:
-        raise CaseError("run.deformation: found 'bodies', allowed 'winkler' or 'none' here")
+        raise CaseError("run.deformation", "'bodies'", "'winkler' or 'none' here")
     made = balance.elastic_bodies()
     bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
     frames = {i.body: (i.body_angle, i.speed_ratio) for i in balance.interfaces}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,15 @@ from toothspace.model.lateral_load import axial_load
 from toothspace.results.solution import Solution
 from toothspace.results.variables import VARIABLES
 
+HeatedRun = Callable[[MachineDescription, Callable[[MachineDescription], Solution]], Solution]
+"""Solution with temperatures, from a machine and what repeats it with other viscosities."""
+
+
+def _as_cold(
+    description: MachineDescription, run: Callable[[MachineDescription], Solution]
+) -> Solution:
+    return run(description)
+
 
 def coupled_solution(
     description: MachineDescription,
@@ -31,6 +41,8 @@ def coupled_solution(
     request: PointRequest,
     steps: int,
     progress: Progress | None = None,
+    *,
+    heated: HeatedRun = _as_cold,
 ) -> Solution:
     """Operating point with its lateral films over one revolution.
 
@@ -42,6 +54,9 @@ def coupled_solution(
         Steps of the march over the revolution. [-]
     progress : callable, optional
         Called with a fraction and a text.
+    heated : callable
+        Solution of the machine with the temperatures of its films, from one that repeats it with
+        other viscosities; without temperatures if not given.
 
     Raises
     ------
@@ -49,29 +64,41 @@ def coupled_solution(
         If interrupted before there was a lumped solution; a later interrupt keeps what is done.
     """
     done: list[Solution] = []
+    points: list[CoupledPoint] = []
 
     def lumped(changed: MachineDescription) -> Solution:
         done.append(run(changed))
         tell(progress, UNKNOWN, f"lateral films settle, round {len(done)}")
         return done[-1]
 
+    def coupled(changed: MachineDescription) -> Solution:
+        begun = request
+        if points:
+            last = points[-1]
+            place, factor = last.equilibrium.balance.position, last.log_leakage_factor
+            begun = replace(request, start=place, log_leakage_factor=factor)
+        points.append(couple_point(changed, fluid, lumped, begun))
+        return replace(points[-1].solution, status=points[-1].status)
+
     try:
-        point = couple_point(description, fluid, lumped, request)
-        return _with_films(point, steps, progress)
+        solution = heated(description, coupled)
+        return _with_films(points[-1], solution, steps, progress)
     except KeyboardInterrupt:
         if not done:
             raise
         return replace(done[-1], status=Status.INTERRUPTED)
 
 
-def _with_films(point: CoupledPoint, steps: int, progress: Progress | None) -> Solution:
+def _with_films(
+    point: CoupledPoint, solution: Solution, steps: int, progress: Progress | None
+) -> Solution:
     """Lumped solution with film fields at the end of a revolution and the way of the bearing.
 
     Of an interrupted march as far as it came.
     """
     march = point.problem.march(point.equilibrium.balance, steps, progress=progress)
     stack = point.problem.stack
-    data = point.solution.data
+    data = solution.data
     angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
     position = np.interp(angle, march.shaft_angle, march.positions, period=2.0 * np.pi)
     fields = {**film_fields(march.last), **film_places(stack)}
@@ -91,7 +118,7 @@ def _with_films(point: CoupledPoint, steps: int, progress: Progress | None) -> S
     status = Status.INTERRUPTED if march.interrupted else status
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
     rise, numbers = point.temperature_rise, point.numbers
-    return replace(point.solution, status=status, data=data).with_note(
+    return replace(solution, status=status, data=data).with_note(
         seat_warning(numbers),
         equilibrium_warning(point),
         lateral_leakage=numbers.leakage,

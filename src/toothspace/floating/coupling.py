@@ -53,6 +53,8 @@ class PointRequest:
     """Positions and rotations of all bodies, or a gap everywhere, to begin with. [m, rad]"""
     nose_pressure: float | None = None
     """Absolute pressure on the nose; None: the low pressure. [Pa]"""
+    log_leakage_factor: float = 0.0
+    """Logarithm of the leakage of the paths over that of the closed form, to begin with. [-]"""
     rounds: int = 12
     """Most lumped runs at this point; one leaves the paths of the network as they are."""
 
@@ -66,6 +68,8 @@ class CoupledPoint(SettledBearing):
     """Last lumped solution."""
     description: MachineDescription
     """The machine with the lateral gaps that were found."""
+    log_leakage_factor: float = 0.0
+    """Logarithm of the leakage of its paths over that of the closed form. [-]"""
     leakage_mismatch: float
     """Leakage of films less that of the lumped paths, over the displaced flow. [-]"""
     torque_mismatch: float = 0.0
@@ -147,7 +151,7 @@ class _LeakageSearch:
         self, description: MachineDescription, fluid: FluidLaw, run: LumpedRun, asked: PointRequest
     ) -> None:
         self._dragged, self._fluid, self._run, self._asked = description, fluid, run, asked
-        self._log_leakage_factor = 0.0
+        self._log_leakage_factor = asked.log_leakage_factor
         self._known: list[Trial] = []
         self._ends: tuple[Trial, Trial] | None = None
         self._position: Array | None = None
@@ -155,7 +159,8 @@ class _LeakageSearch:
 
     def advance(self) -> tuple[CoupledPoint, bool]:
         """Make one more lumped run and find the equilibrium; return whether both agree, too."""
-        machine = with_lateral_leakage(self._dragged, float(np.exp(self._log_leakage_factor)))
+        factor = self._log_leakage_factor
+        machine = with_lateral_leakage(self._dragged, float(np.exp(factor)))
         solution = self._run(machine)
         if solution.status is Status.INTERRUPTED:
             raise KeyboardInterrupt  # films of pressures cut short are no point
@@ -183,6 +188,7 @@ class _LeakageSearch:
             **vars(found),
             solution=solution,
             description=machine,
+            log_leakage_factor=factor,
             leakage_mismatch=(numbers.leakage - leakage) / flow,
             torque_mismatch=(torque - dragged) / ideal,
             agreed=found.warm and (agreed or self._asked.rounds == 1),

@@ -12,6 +12,7 @@ import numpy as np
 from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
@@ -21,8 +22,9 @@ from toothspace.films.reynolds.rough_surfaces import (
     SMOOTH,
     ContactTable,
     FlowLaw,
-    RoughSurfaces,
     contact_field,
+    contact_table,
+    flow_law,
     mean_gap,
 )
 from toothspace.floating.compliant_film import (
@@ -72,8 +74,8 @@ def film_law(
         return FilmLaw(fluid, SMOOTH, NO_CONTACT, 0.0, 0.0, cavitation, cavitation_pressure)
     return FilmLaw(
         fluid,
-        surfaces.flow_law(1.0),
-        surfaces.contact_table(),
+        flow_law(surfaces, 1.0),
+        contact_table(surfaces),
         surfaces.roughness,
         surfaces.boundary_friction,
         cavitation,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -14,8 +15,8 @@ from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.floating.body_loads import loaded_bodies, node_pressures
 from toothspace.floating.deformation import Fineness
@@ -252,7 +253,8 @@ def lateral_problem(
     )
     if settings.deformation == "bodies":
         compliance = loaded_bodies(balance, grids, back, data)
-    laws = film_laws(balance, fluid, settings.cavitation)
+    warmth = {film.body: film.viscosity_ratio for film in description.laterals}
+    laws = film_laws(balance, fluid, settings.cavitation, warmth)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
@@ -319,13 +321,24 @@ def balance_of(description: MachineDescription) -> LateralBalance:
     return description.lateral_balance
 
 
-def film_laws(balance: LateralBalance, fluid: FluidLaw, cavitation: str) -> tuple[FilmLaw, ...]:
-    """Laws of all films of a machine with a fluid and a cavitation model."""
-    liquid = FilmFluid(
-        fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
-    )
+def film_laws(
+    balance: LateralBalance,
+    fluid: FluidLaw,
+    cavitation: str,
+    viscosity_ratio: Mapping[str, float] = MappingProxyType({}),
+) -> tuple[FilmLaw, ...]:
+    """Laws of all films of a machine with a fluid and a cavitation model.
+
+    ``viscosity_ratio`` is that in the warm films of a body over that of the fluid; one if not
+    given. [-]
+    """
 
     def one(interface: FilmInterface) -> FilmLaw:
+        liquid = FilmFluid(
+            fluid.dynamic_viscosity * viscosity_ratio.get(interface.body, 1.0),
+            fluid.pressure_viscosity,
+            limit_pressure=HIGHEST_PRESSURE,
+        )
         surfaces = interface.face.surfaces
         rough = surfaces is not None and surfaces.roughness > 0.0
         return film_law(RoughSurfaces(**vars(surfaces)) if rough else None, liquid, cavitation)

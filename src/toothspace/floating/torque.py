@@ -57,7 +57,7 @@ def with_film_torque(
         shear, asperity, height = powers[film.body]
         power = shear + asperity - doubled
         speed = ratios[film.body] * stack.shaft_speed
-        drag = power / (film.faces * viscosity * speed**2)
+        drag = power / (film.faces * viscosity * film.viscosity_ratio * speed**2)
         share = asperity / power if asperity > 0.0 else 0.0
         return replace(film, drag=drag, asperity_share=share, height=height)
 

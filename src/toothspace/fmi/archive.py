@@ -210,7 +210,7 @@ def _compiled(source: str, data: str, name: str, compiler: str) -> bytes:
             done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
         except OSError as error:
             found = f"{compiler!r} that does not start ({error.strerror})"
-            raise CaseError(f"compiler: found {found}, allowed a C compiler") from error
+            raise CaseError("compiler", found, "a C compiler") from error
         if done.returncode != 0 or not (place / name).is_file():
             reason = " ".join(done.stderr.split())[:300]
             allowed = "allowed a C99 compiler, or a unit without binary"

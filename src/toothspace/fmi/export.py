@@ -111,11 +111,11 @@ def write_fmu(
     """
     started = time.perf_counter()
     if drive not in DRIVES:
-        raise CaseError(f"drive: found {drive!r}, allowed {' or '.join(map(repr, DRIVES))}")
+        raise CaseError("drive", f"{drive!r}", " or ".join(map(repr, DRIVES)))
     operating = case.operating_point
     if operating is None or not case.run.preset.has_losses:
         found = "no [operating_point]" if operating is None else "the fidelity 'ideal'"
-        raise CaseError(f"{case.label}: found {found}, allowed a steady case with losses")
+        raise CaseError(case.label, found, "a steady case with losses")
     # the circuit round the unit sets the pressures, so what the ports see is the machine alone
     held = replace(operating, outlet_load="fixed_pressure", line=None)
     steady = replace(case, operating_point=held, study=None)
@@ -189,7 +189,7 @@ def _axis(name: str, unit: str, given: Sequence[float]) -> list[float]:
     values = sorted(set(given))
     if len(values) < 2 or not values[0] > 0.0:
         found = ", ".join(f"{from_si(value, unit):g} {unit}" for value in given)
-        raise CaseError(f"{name}: found {found}, allowed at least two values above zero")
+        raise CaseError(name, found, "at least two values above zero")
     return values
 
 

@@ -8,15 +8,8 @@ from typing import Any, final
 
 import numpy as np
 
-from toothspace.core.keys import (
-    Integer,
-    KeyRuleError,
-    KeyTable,
-    Number,
-    QuantityKey,
-    Table,
-    keys_of,
-)
+from toothspace.core.errors import CaseError
+from toothspace.core.keys import Integer, KeyTable, Number, QuantityKey, Table, keys_of
 from toothspace.core.types import Array, BoolArray
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import TOOTH_KEYS
@@ -80,7 +73,7 @@ class DesignValues:
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             If a key does not act on the kinematics.
         """
         names = (*TOOTH_KEYS, "face_width", "normal_backlash", "center_distance")
@@ -90,7 +83,7 @@ class DesignValues:
             spec = self._keys(table) if table in tables else {}
             if name not in spec or name not in names:
                 allowed = [f"{t}.{n}" for t in tables for n in names if n in self._keys(t)]
-                raise KeyRuleError(path, "a varied key", f"one of {', '.join(allowed)}")
+                raise CaseError(path, "a varied key", f"one of {', '.join(allowed)}")
             found &= _inside(spec[name][0], values)
         return found
 

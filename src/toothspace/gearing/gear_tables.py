@@ -8,10 +8,9 @@ from typing import Any, final
 
 import numpy as np
 
-from toothspace.core.errors import GeometryError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     choice,
     file_path,
@@ -121,7 +120,7 @@ class MeshingGearParameters(KeyTable):
             tooth = InvoluteGear(**values)
             tooth_form(tooth)
         except GeometryError as error:
-            raise GeometryError(f"{table}.{error}") from error
+            raise error.under(table) from error
         return tooth
 
 
@@ -183,7 +182,7 @@ class ReliefGrooveParameters(KeyTable):
 
         Raises
         ------
-        KeyRuleError
+        CaseError
             If two polygons lie on one side, with the key.
         """
         found: dict[bool, Array] = {}
@@ -192,7 +191,7 @@ class ReliefGrooveParameters(KeyTable):
             if right in found:
                 side, file = "right" if right else "left", self.contour.name if self.contour else ""
                 two = f"two polygons {side} of the centre line in {file}"
-                raise KeyRuleError(key, two, "one polygon on each side")
+                raise CaseError(key, two, "one polygon on each side")
             found[right] = polygon
         sides = found.get(True), found.get(False)
         return ReliefGrooves(
@@ -256,4 +255,4 @@ def read_contours(file: Path | Points, key: str, unit: str = "mm") -> list[Array
     try:
         return load_polygons(file, to_si(1.0, unit))
     except GeometryError as error:
-        raise GeometryError(f"{key}: {error}") from error
+        raise error.read_for(key) from error

@@ -173,8 +173,9 @@ def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
         gap, lever = smallest_gap(teeth, mesh, is_left)
         if not np.isfinite(gap):
             raise GeometryError(
-                f"machine.gears.center_distance: found {mesh.center_distance * 1e3:.5g} mm: the "
-                f"teeth pass without facing one another, allowed a shorter distance"
+                "machine.gears.center_distance",
+                f"{mesh.center_distance * 1e3:.5g} mm: the teeth pass without facing one another",
+                "a shorter distance",
             )
         mesh = mesh._replace(turn=mesh.turn - gap / lever)
     play, _ = smallest_gap(teeth, mesh, not is_left)
@@ -186,8 +187,9 @@ def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
 def overlap_error(distance: float, overlap: float) -> GeometryError:
     """Refusal of a centre distance at which flanks overlap. [m]."""
     return GeometryError(
-        f"machine.gears.center_distance: found {distance * 1e3:.5g} mm: the flanks overlap by "
-        f"{overlap * 1e3:.4g} mm, allowed a distance with backlash"
+        "machine.gears.center_distance",
+        f"{distance * 1e3:.5g} mm: the flanks overlap by {overlap * 1e3:.4g} mm",
+        "a distance with backlash",
     )
 
 

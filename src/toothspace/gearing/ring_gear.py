@@ -44,8 +44,10 @@ class RingGear:
         top = self.form.tip_form_radius
         if not base <= self.tip_radius < top:
             raise GeometryError(
-                f"tip_diameter: found {self.tip_radius * 2e3:.5g} mm, allowed from the base "
-                f"diameter of {base * 2e3:.5g} mm to the end of the involute at {top * 2e3:.5g} mm"
+                "tip_diameter",
+                f"{self.tip_radius * 2000.0:.5g} mm",
+                f"from the base diameter of {base * 2000.0:.5g} mm to the end of the involute at "
+                f"{top * 2000.0:.5g} mm",
             )
 
     @cached_property
@@ -296,15 +298,17 @@ def pair_from_backlash(
     difference = ring.base_radius - pinion.base_radius
     if difference <= 0.0:
         raise GeometryError(
-            f"ring.tooth_count: found {ring.tooth_count}, allowed more than the "
-            f"{pinion.tooth_count} teeth of the pinion"
+            "ring.tooth_count",
+            ring.tooth_count,
+            f"more than the {pinion.tooth_count} teeth of the pinion",
         )
     target = _tight_involute(pinion, ring) - 0.5 * normal_backlash / difference
     if target <= 0.0:
         raise GeometryError(
-            f"ring.profile_shift: found {ring.space.profile_shift:g} with a pinion shift of "
-            f"{pinion.profile_shift:g} and a normal backlash of {normal_backlash * 1e3:.4g} mm, "
-            "allowed a larger one (no operating pressure angle exists)"
+            "ring.profile_shift",
+            f"{ring.space.profile_shift:g} with a pinion shift of {pinion.profile_shift:g} and a "
+            f"normal backlash of {normal_backlash * 1e3:.4g} mm",
+            "a larger one (no operating pressure angle exists)",
         )
     angle = root_between(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, 1e-15)
     return InternalPair(pinion, ring, float(difference / np.cos(angle)))

@@ -126,23 +126,23 @@ def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> l
         low = min(cut.extent[0] for cut in found) * 1e3
         high = max(cut.extent[1] for cut in found) * 1e3
         plane = "" if request.plane is None else f" = {request.plane * 1e3:.5g} mm"
-        raise GeometryError(f"{file}: found plane_z{plane}, allowed {low:.5g} to {high:.5g} mm")
+        raise GeometryError(file, f"plane_z{plane}", f"{low:.5g} to {high:.5g} mm")
     return sections
 
 
 def _chosen(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[int]:
     if not bodies:
-        raise GeometryError(f"{file}: found no body, allowed at least one closed body")
+        raise GeometryError(file, "no body", "at least one closed body")
     if request.part is not None:
         names = [body.name for body in bodies]
         if request.part not in names:
             known = ", ".join(repr(name) for name in dict.fromkeys(names) if name) or "no names"
-            raise GeometryError(f"{file}: found no body named {request.part!r}, allowed {known}")
+            raise GeometryError(file, f"no body named {request.part!r}", known)
         return [k for k, name in enumerate(names) if name == request.part]
     if request.body is None:
         return list(range(len(bodies)))
     if not 0 <= request.body < len(bodies):
-        raise GeometryError(f"{file}: found body = {request.body}, allowed 0 to {len(bodies) - 1}")
+        raise GeometryError(file, f"body = {request.body}", f"0 to {len(bodies) - 1}")
     return [request.body]
 
 

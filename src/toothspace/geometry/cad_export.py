@@ -111,11 +111,9 @@ def export_section(section: Section, path: Path, width: float, unit: float = 1e-
     }
     suffix = path.suffix.lower()
     if suffix not in writers:
-        raise GeometryError(
-            f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(EXPORT_SUFFIXES)}"
-        )
+        raise GeometryError(path, f"the suffix {suffix or 'none'!r}", ", ".join(EXPORT_SUFFIXES))
     if not 0.0 < width < np.inf:
-        raise GeometryError(f"face_width: found {width:g} m, allowed above 0")
+        raise GeometryError("face_width", f"{width:g} m", "above 0")
     write_bytes(path, writers[suffix]())
 
 

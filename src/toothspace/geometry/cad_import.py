@@ -66,10 +66,10 @@ def load_closed_curves(
     for curve in clean:
         if len(curve) < 3:
             raise GeometryError(
-                f"{path}: found a curve of {len(curve)} points, allowed at least 3 distinct points"
+                path, f"a curve of {len(curve)} points", "at least 3 distinct points"
             )
     if not clean:
-        raise GeometryError(f"{path}: found no curve, allowed at least one closed curve")
+        raise GeometryError(path, "no curve", "at least one closed curve")
     return sorted(clean, key=lambda curve: -abs(signed_area(curve)))
 
 
@@ -102,9 +102,9 @@ def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list
 def _present(path: Path) -> Path:
     path = Path(path)
     if not path.is_file():
-        raise GeometryError(f"{path}: found no such file, allowed a readable file")
+        raise GeometryError(path, "no such file", "a readable file")
     if path.stat().st_size == 0:
-        raise GeometryError(f"{path}: found an empty file, allowed at least one closed curve")
+        raise GeometryError(path, "an empty file", "at least one closed curve")
     return path
 
 
@@ -134,6 +134,4 @@ def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
         from toothspace.geometry.dxf_import import read_dxf
 
         return read_dxf(path, unit, layer)
-    raise GeometryError(
-        f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(SUFFIXES)}"
-    )
+    raise GeometryError(path, f"the suffix {suffix or 'none'!r}", ", ".join(SUFFIXES))

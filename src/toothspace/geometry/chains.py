@@ -48,8 +48,10 @@ def _next_piece(end: Array, remaining: list[Array], tolerance: float, name: str)
     if nearest[0] > tolerance:
         gap = f"{nearest[0] * 1e3:.3g} mm" if gaps else "no further curve"
         raise GeometryError(
-            f"{name}: found an open curve ending at x = {end[0] * 1e3:.5g} mm, y = "
-            f"{end[1] * 1e3:.5g} mm (next end: {gap}), allowed closed curves"
+            name,
+            f"an open curve ending at x = {end[0] * 1e3:.5g} mm, y = {end[1] * 1e3:.5g} mm (next "
+            f"end: {gap})",
+            "closed curves",
         )
     piece = remaining.pop(nearest[1])
     return piece if nearest[2] == 0 else piece[::-1]

@@ -54,15 +54,17 @@ def _entities(path: Path, layer: str | None) -> list[Any]:
         drawing = ezdxf.readfile(path)
     except (OSError, ezdxf.DXFError) as error:
         reason = " ".join(str(error).split())
-        raise GeometryError(f"{path}: found no readable DXF ({reason}), allowed DXF") from error
+        raise GeometryError(path, f"no readable DXF ({reason})", "DXF") from error
     found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
     curves = [entity for entity in found if entity.dxftype() in _CURVES]
     if not curves:
         kinds = ", ".join(sorted({entity.dxftype() for entity in found})) or "nothing"
         layers = ", ".join(sorted({entity.dxf.layer for entity in drawing.modelspace()}))
         raise GeometryError(
-            f"{path}: found {kinds} on {'all layers' if layer is None else f'layer {layer!r}'} "
-            f"(layers: {layers or 'none'}), allowed {', '.join(_CURVES)}"
+            path,
+            f"{kinds} on {('all layers' if layer is None else f'layer {layer!r}')} (layers: "
+            f"{layers or 'none'})",
+            ", ".join(_CURVES),
         )
     return curves
 
@@ -77,7 +79,7 @@ def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
     points = np.array([[vertex.x, vertex.y] for vertex in vertices])
     if not np.all(np.isfinite(points)):
         kind = entity.dxftype()
-        raise GeometryError(f"{path}: found a {kind} that is not finite, allowed numbers")
+        raise GeometryError(path, f"a {kind} that is not finite", "numbers")
     return points
 
 

@@ -199,7 +199,8 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
     try:
         detected = gear_profile_from_curve(cut.curves[0], key=str(path))
     except GeometryError as error:
-        raise GeometryError(f"{error} ({_place(cut)})") from error
+        said = f" ({_place(cut)})"
+        raise error.changed(lambda one: one._replace(allowed=one.allowed + said)) from error
     teeth = cut.teeth_extent
     return FoundGear(
         file=path,

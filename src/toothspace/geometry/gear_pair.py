@@ -307,15 +307,17 @@ def pair_from_backlash(
     _check_base_pitch(drive, driven)
     if not 0.0 <= normal_backlash <= 0.5 * drive.module:
         raise GeometryError(
-            f"normal_backlash: found {normal_backlash * 1e3:.4g} mm, allowed 0 to "
-            f"{0.5 * drive.module * 1e3:.4g} mm"
+            "normal_backlash",
+            f"{normal_backlash * 1e3:.4g} mm",
+            f"0 to {0.5 * drive.module * 1e3:.4g} mm",
         )
     total = drive.base_radius + driven.base_radius
     target = tight_involute(drive, driven) + 0.5 * normal_backlash / total
     if target <= 0.0:
         raise GeometryError(
-            f"profile_shift: found a sum of {drive.profile_shift + driven.profile_shift:g}, "
-            f"allowed larger (no operating pressure angle exists)"
+            "profile_shift",
+            f"a sum of {drive.profile_shift + driven.profile_shift:g}",
+            "larger (no operating pressure angle exists)",
         )
     angle = root_between(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, 1e-15)
     return _checked(GearPair(drive, driven, float(total / np.cos(angle))))
@@ -344,8 +346,9 @@ def pair_from_center_distance(
     longest = drive.tip_radius + driven.tip_radius
     if not tight - LARGEST_OVERLAP <= center_distance < longest:
         raise GeometryError(
-            f"center_distance: found {center_distance * 1e3:.5g} mm, allowed {tight * 1e3:.6g} mm "
-            f"(no backlash) to {longest * 1e3:.6g} mm (tips no longer meet)"
+            "center_distance",
+            f"{center_distance * 1e3:.5g} mm",
+            f"{tight * 1e3:.6g} mm (no backlash) to {longest * 1e3:.6g} mm (tips no longer meet)",
         )
     return _checked(GearPair(drive, driven, max(center_distance, tight)))
 
@@ -381,9 +384,9 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
 def _check_base_pitch(drive: InvoluteGear, driven: InvoluteGear) -> None:
     if abs(drive.base_pitch - driven.base_pitch) > 1e-9 * drive.base_pitch:
         raise GeometryError(
-            f"driven_gear.module, driven_gear.pressure_angle: found a base pitch of "
-            f"{driven.base_pitch * 1e3:.5g} mm, allowed {drive.base_pitch * 1e3:.5g} mm (the drive "
-            f"gear's)"
+            "driven_gear.module, driven_gear.pressure_angle",
+            f"a base pitch of {driven.base_pitch * 1e3:.5g} mm",
+            f"{drive.base_pitch * 1e3:.5g} mm (the drive gear's)",
         )
 
 
@@ -391,13 +394,14 @@ def _checked(pair: GearPair) -> GearPair:
     for owner, clearance in zip(("drive", "driven"), pair.root_clearances, strict=True):
         if clearance <= 0.0:
             raise GeometryError(
-                f"center_distance: found {pair.center_distance * 1e3:.5g} mm: the mating tip "
-                f"reaches {-clearance * 1e3:.4g} mm into the {owner} gear's root, allowed a "
-                f"positive root clearance"
+                "center_distance",
+                f"{pair.center_distance * 1e3:.5g} mm: the mating tip reaches "
+                f"{-clearance * 1e3:.4g} mm into the {owner} gear's root",
+                "a positive root clearance",
             )
     if pair.contact_ratio <= 0.0:
         raise GeometryError(
-            f"tip_diameter: found a contact ratio of {pair.contact_ratio:.3f}, allowed above 0"
+            "tip_diameter", f"a contact ratio of {pair.contact_ratio:.3f}", "above 0"
         )
     if min(pair.involute_margins) < 0.0:
         _check_overlap(pair)
@@ -414,6 +418,7 @@ def _check_overlap(pair: GearPair) -> None:
     if play < -LARGEST_OVERLAP:
         tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
         raise GeometryError(
-            f"tip_diameter: found {tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root "
-            f"fillet, allowed smaller tips or a larger profile_shift"
+            "tip_diameter",
+            f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
+            "smaller tips or a larger profile_shift",
         )

@@ -97,14 +97,15 @@ class GearProfile:
     def __post_init__(self) -> None:
         if self.points.ndim != 2 or self.points.shape[1] != 2 or len(self.points) < 8:
             raise GeometryError(
-                f"points: found an array of shape {self.points.shape}, allowed (n, 2) with n >= 8"
+                "points", f"an array of shape {self.points.shape}", "(n, 2) with n >= 8"
             )
         if not np.all(np.isfinite(self.points)):
-            raise GeometryError("points: found a value that is not finite, allowed finite numbers")
+            raise GeometryError("points", "a value that is not finite", "finite numbers")
         if not 0 < self.tip_start <= self.tip_end < len(self.points) - 1:
             raise GeometryError(
-                f"tip_start, tip_end: found {self.tip_start}, {self.tip_end}, allowed increasing "
-                f"indices inside 1 to {len(self.points) - 2}"
+                "tip_start, tip_end",
+                f"{self.tip_start}, {self.tip_end}",
+                f"increasing indices inside 1 to {len(self.points) - 2}",
             )
 
     @property

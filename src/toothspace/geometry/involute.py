@@ -61,8 +61,9 @@ def tooth_form(gear: InvoluteGear) -> ToothForm:
     """
     if gear.root_radius <= 0.05 * gear.module:
         raise GeometryError(
-            f"dedendum: found a root radius of {gear.root_radius * 1e3:.4g} mm, allowed above "
-            f"{0.05 * gear.module * 1e3:.4g} mm"
+            "dedendum",
+            f"a root radius of {gear.root_radius * 1e3:.4g} mm",
+            f"above {0.05 * gear.module * 1e3:.4g} mm",
         )
     fillet_end, form_radius, undercut = _fillet_junction(gear)
     _check_neck(gear, fillet_end)
@@ -71,9 +72,10 @@ def tooth_form(gear: InvoluteGear) -> ToothForm:
         key = "profile_shift" if undercut else "tip_diameter"
         value = f"{gear.profile_shift:g}" if undercut else f"{gear.tip_radius * 2e3:.5g} mm"
         raise GeometryError(
-            f"{key}: found {value}: the root fillet ends at radius {form_radius * 1e3:.4f} mm and "
-            f"the flank at {tip_form_radius * 1e3:.4f} mm, allowed a fillet end below the flank "
-            f"end (no involute is left)"
+            key,
+            f"{value}: the root fillet ends at radius {form_radius * 1e3:.4f} mm and the flank "
+            f"at {tip_form_radius * 1e3:.4f} mm",
+            "a fillet end below the flank end (no involute is left)",
         )
     depth = max(form_radius - gear.base_radius, 0.0) if undercut else 0.0
     return ToothForm(form_radius, tip_form_radius, tip_half_angle, undercut, depth, fillet_end)
@@ -114,9 +116,7 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
     .. [1] Litvin, Fuentes, Gear Geometry and Applied Theory, 2nd ed., 2004, chapter 6.
     """
     if points_per_tooth % 2 or not 40 <= points_per_tooth <= 20000:
-        raise GeometryError(
-            f"points_per_tooth: found {points_per_tooth}, allowed an even number 40 to 20000"
-        )
+        raise GeometryError("points_per_tooth", points_per_tooth, "an even number 40 to 20000")
     form = tooth_form(gear)
     flank = InvoluteFlank(
         base_radius=gear.base_radius,
@@ -225,14 +225,16 @@ def _check_neck(gear: InvoluteGear, fillet_end: float) -> None:
     radii, spaces = _fillet_polar(gear, np.linspace(0.0, fillet_end, 200))
     if np.min(np.diff(radii)) < -1e-12 * gear.module:
         raise GeometryError(
-            f"profile_shift: found {gear.profile_shift:g}, allowed below dedendum minus "
-            f"tool_tip_radius (the root fillet folds back)"
+            "profile_shift",
+            f"{gear.profile_shift:g}",
+            "below dedendum minus tool_tip_radius (the root fillet folds back)",
         )
     neck = float(np.min((np.pi / gear.tooth_count - spaces) * radii)) * 2.0
     if neck < 0.1 * gear.module:
         raise GeometryError(
-            f"profile_shift: found {gear.profile_shift:g}: undercut leaves a tooth neck of "
-            f"{neck * 1e3:.4g} mm, allowed at least {0.1 * gear.module * 1e3:.4g} mm"
+            "profile_shift",
+            f"{gear.profile_shift:g}: undercut leaves a tooth neck of {neck * 1e3:.4g} mm",
+            f"at least {0.1 * gear.module * 1e3:.4g} mm",
         )
 
 
@@ -240,23 +242,26 @@ def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
     base, rounding = gear.base_radius, gear.tip_rounding
     if gear.tip_radius <= base:
         raise GeometryError(
-            f"tip_diameter: found {gear.tip_radius * 2e3:.5g} mm, allowed above the base diameter "
-            f"of {base * 2e3:.5g} mm"
+            "tip_diameter",
+            f"{gear.tip_radius * 2000.0:.5g} mm",
+            f"above the base diameter of {base * 2000.0:.5g} mm",
         )
     if float(gear.half_angle(gear.tip_radius)) <= 0.0:
         half = gear.base_half_angle
         pointed = root_between(lambda angle: involute_function(angle) - half, 1e-6, 1.5)
         raise GeometryError(
-            f"tip_diameter: found {gear.tip_radius * 2e3:.5g} mm, allowed below "
-            f"{base / np.cos(pointed) * 2e3:.5g} mm where the tooth is pointed"
+            "tip_diameter",
+            f"{gear.tip_radius * 2000.0:.5g} mm",
+            f"below {base / np.cos(pointed) * 2000.0:.5g} mm where the tooth is pointed",
         )
     center_radius = gear.tip_radius - rounding
     tip_half_angle = float(gear.half_angle(center_radius)) - rounding / base
     if center_radius <= base or tip_half_angle <= 0.0:
         land = gear.tip_radius * 2e3 * float(gear.half_angle(gear.tip_radius))
         raise GeometryError(
-            f"tip_rounding: found {rounding * 1e3:.4g} mm, allowed smaller: no tip land is left of "
-            f"{land:.4g} mm"
+            "tip_rounding",
+            f"{rounding * 1e3:.4g} mm",
+            f"smaller: no tip land is left of {land:.4g} mm",
         )
     roll_length = np.sqrt(center_radius**2 - base**2) + rounding
     return float(np.hypot(base, roll_length)), tip_half_angle

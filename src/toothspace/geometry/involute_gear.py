@@ -118,8 +118,7 @@ class InvoluteGear(RackCutTeeth[float]):
         count = self.tooth_count
         if not (MIN_TOOTH_COUNT <= count <= MAX_TOOTH_COUNT and int(count) == count):
             raise GeometryError(
-                f"tooth_count: found {count}, allowed an integer {MIN_TOOTH_COUNT} to "
-                f"{MAX_TOOTH_COUNT}"
+                "tooth_count", count, f"an integer {MIN_TOOTH_COUNT} to {MAX_TOOTH_COUNT}"
             )
         _check("module", self.module * 1e3, 1e-2, 1e3, "mm")
         _check("pressure_angle", np.rad2deg(self.pressure_angle), 10.0, 35.0, "deg")
@@ -131,8 +130,10 @@ class InvoluteGear(RackCutTeeth[float]):
             _check("tip_diameter", self.tip_diameter * 1e3, 0.0, upper * 1e3, "mm", open_low=True)
         if self._largest_tool_tip_radius < 0.0:
             raise GeometryError(
-                f"dedendum: found {self.dedendum:g} modules, allowed up to "
-                f"{0.25 * np.pi / np.tan(self.pressure_angle):.4g} (the rack tooth is pointed)"
+                "dedendum",
+                f"{self.dedendum:g} modules",
+                f"up to {0.25 * np.pi / np.tan(self.pressure_angle):.4g} (the rack tooth is "
+                "pointed)",
             )
         if self.tool_tip_radius is not None:
             _check("tool_tip_radius", self.tool_tip_radius, 0.0, self._largest_tool_tip_radius,
@@ -173,4 +174,4 @@ def _check(
     # comparisons are false for NaN
     if not (low < value <= high if open_low else low <= value <= high):
         bounds = f"above {low:g} up to" if open_low else f"from {low:g} to"
-        raise GeometryError(f"{key}: found {value:g} {unit}, allowed {bounds} {high:.4g} {unit}")
+        raise GeometryError(key, f"{value:g} {unit}", f"{bounds} {high:.4g} {unit}")

@@ -94,8 +94,7 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
             signal = -done.returncode
             ending = f"was ended by signal {signal}" if signal > 0 else "failed"
             raise GeometryError(
-                f"{path}: found a damaged {_format(path)} file (its reader {ending}), allowed a "
-                f"complete one"
+                path, f"a damaged {_format(path)} file (its reader {ending})", "a complete one"
             )
         with np.load(target, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
@@ -111,8 +110,9 @@ def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
         return run_python(_READER, given=order, longest=TIME_LIMIT)
     except subprocess.TimeoutExpired as error:
         raise GeometryError(
-            f"{path}: found a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read, "
-            f"allowed a smaller one"
+            path,
+            f"a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read",
+            "a smaller one",
         ) from error
 
 

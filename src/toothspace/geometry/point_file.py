@@ -50,9 +50,7 @@ def read_point_file(path: Path, unit: float) -> list[Array]:
             continue
         row = _numbers(text, separator, mark)
         if row is None and any(curves):
-            raise GeometryError(
-                f"{path}: found {text[:40]!r} in line {number}, allowed 2 or 3 numbers"
-            )
+            raise GeometryError(path, f"{text[:40]!r} in line {number}", "2 or 3 numbers")
         if row is not None:
             curves[-1].append(row[:2])
     return [_finite(path, np.asarray(curve) * unit) for curve in curves if curve]
@@ -61,10 +59,10 @@ def read_point_file(path: Path, unit: float) -> list[Array]:
 def _decoded(path: Path) -> str:
     raw = path.read_bytes()
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise GeometryError(f"{path}: found text in UTF-16, allowed UTF-8 or Latin-1")
+        raise GeometryError(path, "text in UTF-16", "UTF-8 or Latin-1")
     control = sum(byte < 9 or 13 < byte < 32 for byte in raw[:4096])
     if control:
-        raise GeometryError(f"{path}: found a binary file, allowed text with columns of numbers")
+        raise GeometryError(path, "a binary file", "text with columns of numbers")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -76,9 +74,7 @@ def _style(path: Path, lines: list[str]) -> tuple[str, str]:
     counts = [sum(_numbers(line, *style) is not None for line in sample) for style in _STYLES]
     best = int(np.argmax(counts))
     if counts[best] == 0:
-        raise GeometryError(
-            f"{path}: found no line with 2 or 3 numbers, allowed columns x, y or x, y, z"
-        )
+        raise GeometryError(path, "no line with 2 or 3 numbers", "columns x, y or x, y, z")
     return _STYLES[best]
 
 
@@ -97,6 +93,5 @@ def _numbers(text: str, separator: str, mark: str) -> list[float] | None:
 def _finite(path: Path, curve: Array) -> Array:
     if not np.all(np.isfinite(curve)):
         row = int(np.argmin(np.all(np.isfinite(curve), axis=1))) + 1
-        raise GeometryError(f"{path}: found a value that is not finite in point {row}, "
-                            "allowed finite numbers")  # fmt: skip
+        raise GeometryError(path, f"a value that is not finite in point {row}", "finite numbers")
     return curve

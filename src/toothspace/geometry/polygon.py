@@ -38,23 +38,26 @@ def checked_polygon(points: Array, key: str) -> Array:
         For fewer than three points, values that are not finite, a self-crossing or no area.
     """
     if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0:
-        raise GeometryError(f"{key}: found an empty curve, allowed a closed curve of 3 points")
+        raise GeometryError(key, "an empty curve", "a closed curve of 3 points")
     if not np.all(np.isfinite(points)):
-        raise GeometryError(f"{key}: found a coordinate that is not finite, allowed numbers")
+        raise GeometryError(key, "a coordinate that is not finite", "numbers")
     size = float(np.ptp(points, axis=0).max())
     if not _SMALLEST <= size <= _LARGEST:
         raise GeometryError(
-            f"{key}: found a curve {size * 1e3:.3g} mm wide, allowed {_SMALLEST * 1e3:g} to "
-            f"{_LARGEST * 1e3:g} mm (is the unit of the file right?)"
+            key,
+            f"a curve {size * 1e3:.3g} mm wide",
+            f"{_SMALLEST * 1e3:g} to {_LARGEST * 1e3:g} mm (is the unit of the file right?)",
         )
     clean = without_repeats(points)
     if len(clean) < 3:
-        raise GeometryError(f"{key}: found {len(clean)} distinct points, allowed at least 3")
+        raise GeometryError(key, f"{len(clean)} distinct points", "at least 3")
     crossing = first_self_crossing(clean)
     if crossing is not None:
         raise GeometryError(
-            f"{key}: found a curve that crosses itself at x = {crossing[0] * 1e3:.4g} mm, "
-            f"y = {crossing[1] * 1e3:.4g} mm, allowed a simple closed curve"
+            key,
+            f"a curve that crosses itself at x = {crossing[0] * 1e3:.4g} mm, y = "
+            f"{crossing[1] * 1e3:.4g} mm",
+            "a simple closed curve",
         )
     return counter_clockwise(clean)
 

@@ -211,9 +211,10 @@ def gear_profile_from_tooth(
     radius = np.hypot(ordered[:, 0], ordered[:, 1])
     if abs(span - pitch) > 0.01 * pitch or abs(radius[0] - radius[-1]) > 0.01 * radius[0]:
         raise GeometryError(
-            f"{key}: found an open curve over {np.rad2deg(span):.4g} deg with end radii "
-            f"{radius[0] * 1e3:.4g} and {radius[-1] * 1e3:.4g} mm, allowed one pitch of "
-            f"{np.rad2deg(pitch):.4g} deg between equal radii"
+            key,
+            f"an open curve over {np.rad2deg(span):.4g} deg with end radii {radius[0] * 1e3:.4g} "
+            f"and {radius[-1] * 1e3:.4g} mm",
+            f"one pitch of {np.rad2deg(pitch):.4g} deg between equal radii",
         )
     middle = 0.5 * (angle[0] + angle[-1])
     centered = turned(_smooth_open(ordered), -middle)
@@ -289,14 +290,13 @@ def _dense(points: Array) -> Array:
 def _tooth_count(points: Array, key: str) -> int:
     _, area = area_elements(points)
     if abs(area.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
-        raise GeometryError(
-            f"{key}: found an outline that does not run round its centre, allowed a whole gear"
-        )
+        raise GeometryError(key, "an outline that does not run round its centre", "a whole gear")
     tooth_count = repeating_teeth(points)
     if tooth_count is None:
         raise GeometryError(
-            f"{key}: found no repeating teeth, allowed an outline of {MIN_TOOTH_COUNT} to "
-            f"{MAX_TOOTH_COUNT} equal teeth"
+            key,
+            "no repeating teeth",
+            f"an outline of {MIN_TOOTH_COUNT} to {MAX_TOOTH_COUNT} equal teeth",
         )
     return tooth_count
 
@@ -329,8 +329,9 @@ def _teeth_in_sections(points: Array, tooth_count: int, phase: float, key: str) 
     scatter = float(np.ptp(heights))
     if scatter > 0.2 * (max(heights) - min(float(np.hypot(*p.T).min()) for p in pieces)):
         raise GeometryError(
-            f"{key}: found teeth whose tip radii differ by {scatter * 1e3:.3g} mm, allowed "
-            f"{tooth_count} equal teeth"
+            key,
+            f"teeth whose tip radii differ by {scatter * 1e3:.3g} mm",
+            f"{tooth_count} equal teeth",
         )
     return np.array([_in_sections(piece, _tip_tolerance(piece)) for piece in pieces])
 
@@ -342,8 +343,9 @@ def _between(outline: Array, angle: Array, start: float, span: float, key: str) 
     last = last if last > first else len(angle) - 1
     if last - first < _FEWEST_POINTS:
         raise GeometryError(
-            f"{key}: found {last - first} points on a tooth, allowed at least {_FEWEST_POINTS} "
-            f"(an outline of one pitch needs tooth_count)"
+            key,
+            f"{last - first} points on a tooth",
+            f"at least {_FEWEST_POINTS} (an outline of one pitch needs tooth_count)",
         )
     begin = _at_angle(outline, angle, first, start)
     end = _at_angle(outline, angle, last, start + span)

@@ -72,8 +72,9 @@ def machine_frame(drive: FoundGear, driven: FoundGear, outlet: Array) -> Machine
     if abs(along) < _LEAST_TOWARDS:
         named = ", ".join(f"{value:.3g}" for value in across)
         raise GeometryError(
-            f"outlet_toward: found a direction along the centre line or the axis, allowed one "
-            f"across both, near ({named}) or its opposite"
+            "outlet_toward",
+            "a direction along the centre line or the axis",
+            f"one across both, near ({named}) or its opposite",
         )
     across *= np.sign(along)
     return MachineFrame(drive.center, np.vstack([across, up, np.cross(across, up)]))
@@ -105,8 +106,9 @@ def casing_cavity(curves: Sequence[Array], key: str) -> Array:
     around = [part for part in _polygons(void) if part.contains(shapely.Point(0.0, 0.0))]
     if not around:
         raise GeometryError(
-            f"{key}: found a section that does not surround the drive gear, allowed a body with "
-            f"the bores of the gears"
+            key,
+            "a section that does not surround the drive gear",
+            "a body with the bores of the gears",
         )
     return checked_polygon(shapely.get_coordinates(around[0].exterior)[:-1], key)
 

@@ -48,7 +48,7 @@ def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[Bod
         return cut_bodies(str(path), stl_bodies(path, unit), request)
     _require_ocp(path)
     if not path.read_bytes()[:64].lstrip().startswith(b"ISO-10303-21"):
-        raise GeometryError(f"{path}: found no STEP header, allowed a file of ISO-10303-21")
+        raise GeometryError(path, "no STEP header", "a file of ISO-10303-21")
     return read_sections(path, unit, request)
 
 
@@ -65,9 +65,9 @@ def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
             loaded = trimesh.load_mesh(path, file_type="stl", process=False)
             triangles = np.asarray(loaded.triangles, dtype=float) * unit
     except Exception as error:
-        raise GeometryError(f"{path}: found no readable STL ({error}), allowed STL") from error
+        raise GeometryError(path, f"no readable STL ({error})", "STL") from error
     if len(triangles) == 0 or not np.all(np.isfinite(triangles)):
-        raise GeometryError(f"{path}: found no finite triangles, allowed a closed surface")
+        raise GeometryError(path, "no finite triangles", "a closed surface")
     size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     mesh = merged(triangles, _MERGE_TOLERANCES[0] * size)
     for tolerance in _MERGE_TOLERANCES[1:]:
@@ -78,8 +78,9 @@ def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
     for number, body in enumerate(bodies):
         if not body.is_closed:
             raise GeometryError(
-                f"{path}: found an open surface (body {number} of {len(bodies)} is not "
-                f"watertight), allowed closed bodies"
+                path,
+                f"an open surface (body {number} of {len(bodies)} is not watertight)",
+                "closed bodies",
             )
     return bodies
 
@@ -101,15 +102,16 @@ def _check_stl(path: Path) -> None:
     head = raw[:80].lstrip().lower()
     if head.startswith(b"solid") and b"facet" in raw[:2000].lower():
         if b"endsolid" not in raw[-200:].lower():
-            raise GeometryError(f"{path}: found a truncated ASCII STL, allowed one with endsolid")
+            raise GeometryError(path, "a truncated ASCII STL", "one with endsolid")
         return
     if len(raw) < 84:
-        raise GeometryError(f"{path}: found {len(raw)} bytes, allowed a complete STL file")
+        raise GeometryError(path, f"{len(raw)} bytes", "a complete STL file")
     facets = struct.unpack("<I", raw[80:84])[0]
     if len(raw) < 84 + 50 * facets or facets == 0:
         raise GeometryError(
-            f"{path}: found {len(raw)} bytes for {facets} facets (truncated STL), allowed "
-            f"{84 + 50 * max(facets, 4)} bytes or more"
+            path,
+            f"{len(raw)} bytes for {facets} facets (truncated STL)",
+            f"{84 + 50 * max(facets, 4)} bytes or more",
         )
 
 
@@ -120,6 +122,7 @@ def _require_ocp(path: Path) -> None:
         present = False
     if not present:
         raise GeometryError(
-            f"{path}: found a STEP file but not the package that reads it, allowed after "
-            'pip install "toothspace[cad]"'
+            path,
+            "a STEP file but not the package that reads it",
+            'after pip install "toothspace[cad]"',
         )

@@ -47,7 +47,7 @@ def step_bodies(path: Path) -> list[SolidBody]:
     silence_ocp()
     solids = _named_solids(path)
     if not solids:
-        raise GeometryError(f"{path}: found no body, allowed at least one closed body")
+        raise GeometryError(path, "no body", "at least one closed body")
     return [
         SolidBody(name, _mesh(solid), partial(_section, str(path), solid)) for name, solid in solids
     ]
@@ -64,7 +64,7 @@ def _named_solids(path: Path) -> list[tuple[str, Any]]:
     reader = STEPCAFControl_Reader()
     reader.SetNameMode(True)
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.Transfer(document):
-        raise GeometryError(f"{path}: found a damaged STEP file, allowed a complete one")
+        raise GeometryError(path, "a damaged STEP file", "a complete one")
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     labels, found = _label_sequence(), list[tuple[str, Any]]()
     shapes.GetFreeShapes(labels)

@@ -93,7 +93,7 @@ def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
     present = np.unique(data["tooth"])
     if not np.array_equal(present, np.arange(1, tooth_count + 1)):
         some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
-        raise GeometryError(f"{path}: found teeth {some}, allowed each of 1 to {tooth_count}")
+        raise GeometryError(path, f"teeth {some}", f"each of 1 to {tooth_count}")
     rows = [np.flatnonzero(data["tooth"] == number) for number in present]
     ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
     left, right = (
@@ -111,7 +111,7 @@ def _from_curve_file(
     lines = raw.decode("utf-8-sig" if raw.startswith(b"\xef\xbb\xbf") else "latin-1").splitlines()
     counted = _header(lines, r"Z.{1,2}hnezahl", path)[0]
     if counted != tooth_count:
-        raise GeometryError(f"{path}: found {counted:g} teeth, allowed {tooth_count}")
+        raise GeometryError(path, f"{counted:g} teeth", tooth_count)
     low = _header(lines, r"Start\b.*Messbereich", path)[0] * _MM
     high = _header(lines, r"Ende\b.*Messbereich", path)[0] * _MM
     start, end = sorted(flank.roll_length(0.5 * diameter) for diameter in (low, high))
@@ -127,9 +127,7 @@ def _from_curve_file(
             if of == side
         }
         if not own:
-            raise GeometryError(
-                f"{path}: found no profile of the {side} flank, allowed at least one"
-            )
+            raise GeometryError(path, f"no profile of the {side} flank", "at least one")
         mean = np.mean(list(own.values()), axis=0)
         pitch = pitches.get(side, {})
         # an index deviation in the sense of counting, clockwise, is material on the right flank
@@ -156,7 +154,7 @@ def _header(
                 return numbers
     if missing is not None:
         return [missing]
-    raise GeometryError(f"{path}: found no line {label!r} with a number, allowed a curve file")
+    raise GeometryError(path, f"no line {label!r} with a number", "a curve file")
 
 
 def _profile_curves(lines: Sequence[str], undefined: float) -> dict[tuple[int, str], Array]:

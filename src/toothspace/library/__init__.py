@@ -56,7 +56,7 @@ def library_entry(kind: str, name: str, key: str) -> dict[str, Any]:
     """
     names = library_names(kind)
     if name not in names:
-        raise CaseError(f"{key}: found {name!r}, allowed {', '.join(names)}")
+        raise CaseError(key, f"{name!r}", ", ".join(names))
     text = (files(__name__) / kind / f"{name}.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 

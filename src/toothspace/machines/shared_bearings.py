@@ -106,7 +106,7 @@ def require_shaft_below(key: str, diameter: float, root_radius: float) -> None:
     """
     if diameter >= 2.0 * root_radius:
         allowed = f"below the root diameter, {root_radius * 2e3:.5g} mm"
-        raise GeometryError(f"{key}: found {diameter * 1e3:.5g} mm, allowed {allowed}")
+        raise GeometryError(key, f"{diameter * 1e3:.5g} mm", allowed)
 
 
 def require_rim(key: str, diameter: float, root_radius: float) -> None:
@@ -119,7 +119,7 @@ def require_rim(key: str, diameter: float, root_radius: float) -> None:
     """
     if diameter <= 2.0 * root_radius:
         allowed = f"above {root_radius * 2e3:.5g} mm, the root diameter of its teeth"
-        raise GeometryError(f"{key}: found {diameter * 1e3:.5g} mm, allowed {allowed}")
+        raise GeometryError(key, f"{diameter * 1e3:.5g} mm", allowed)
 
 
 def gear_on_shaft(

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import KeyRuleError
 from toothspace.core.registry import machine_type_names, optional_part
 
 if TYPE_CHECKING:
@@ -49,10 +48,10 @@ def evaluate_designs(
     if part is None:
         able = [repr(one) for one in machine_type_names() if optional_part(one, "designs")]
         found = repr(name) if name else "no machine"
-        raise CaseError(f"{label}: machine.type: found {found}, allowed {' or '.join(able)}")
+        raise CaseError("machine.type", found, " or ".join(able)).in_file(label)
     inner = {path.removeprefix("machine."): values for path, values in varied.items()}
     try:
         evaluated: EvaluatedDesigns = part.evaluate_designs(machine, inner, addendum, displacement)
-    except KeyRuleError as error:
-        raise CaseError(f"{label}: machine.{error}") from error
+    except CaseError as error:
+        raise error.under("machine").in_file(label) from error
     return evaluated

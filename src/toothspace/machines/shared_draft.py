@@ -42,5 +42,5 @@ def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder
     drafts = [part.draft_case(files, unit, request, folder) for part in parts if part is not None]
     found = [draft for draft in drafts if draft is not None]
     if not found:
-        raise CaseError(f"{files[0]}: --case: found no machine, allowed gears or rotors of one")
+        raise CaseError(f"{files[0]}: --case", "no machine", "gears or rotors of one")
     return max(found, key=lambda draft: draft.parts).text

@@ -124,6 +124,11 @@ class MachineTables(KeyTable):
         """Message about what a floating part in balance would need; empty if there is one."""
         return "machine.type: found a type without floating parts, allowed one with them"
 
+    @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside gears or rotors floats."""
+        return True
+
     def assemble(self) -> Any:
         """Return the definition of the machine: these keys themselves."""
         return self

@@ -167,6 +167,10 @@ class FreeShaft:
     """Whether that torque stands for all interfaces, which fade in with speed, is added to their
     boundary friction, or is their boundary friction and follows their loads.
     """
+    seal_ratio: float = 1.0
+    """Friction of the shaft seal at rest over that in running, where the breakaway torque is the
+    boundary friction of all interfaces. [-]
+    """
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
     """Time [s] and further torque of the load [N m], joined by straight lines. Shape (knots, 2)."""
     square: float = 0.0
@@ -207,6 +211,7 @@ def drive_row(
         row[col.BREAKAWAY_SPEED] = shaft.breakaway_speed
         row[col.ADDED_FRICTION] = shaft.breakaway_law == "additive"
         row[col.FROM_INTERFACES] = shaft.breakaway_law == "interfaces"
+        row[col.SEAL_RATIO] = shaft.seal_ratio
     return row
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.design_check import DesignCheck
+from toothspace.core.keys import quantity
 from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
@@ -186,13 +187,13 @@ class LumpedLateralFilm:
 @final
 @dataclass(frozen=True)
 class RunningIn:
-    """Condition at which the bodies cut their track into the casing before use."""
+    """``wear_in``: condition at which the bodies cut their track into the casing before use."""
 
-    pressure: float
+    pressure: float = quantity("bar", "Pressure on the high-pressure side.", above=0, high=1000)
     """Absolute pressure on the high-pressure side; the low side is at one atmosphere. [Pa]"""
-    shaft_speed: float
+    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
     """Shaft speed. [rad/s]"""
-    temperature: float
+    temperature: float = quantity("degC", "Fluid temperature.", low=-60, high=250)
     """Fluid temperature. [K]"""
 
 
@@ -207,6 +208,8 @@ class StartupFriction:
     """Breakaway torque; zero where it is the sum of the interfaces. [N m]"""
     speed: float
     """Speed up to which friction stays there. [rad/s]"""
+    seal_ratio: float = 1.0
+    """Friction of the shaft seal at rest over that in running, in the sum of the interfaces. [-]"""
 
 
 @final

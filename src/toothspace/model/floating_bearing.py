@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal, Protocol, final
 
+from toothspace.core.keys import choice, number, quantity
 from toothspace.model.film_faces import FilmFace
 
 Side = Literal["floating", "solid"]
@@ -126,15 +127,17 @@ def _moments(size: float, place: tuple[float, float]) -> tuple[float, float, flo
 @final
 @dataclass(frozen=True)
 class HousingContact:
-    """Friction of a floating bearing in its housing."""
+    """``housing_contact``: friction between floating bearing and housing."""
 
-    area: float = 0.0
+    area: float = quantity("mm^2", "Contact area.", low=0, high=1e6, default=0.0)
     """Outer area of the bearing that low pressure acts on, opposite to high pressure. [m2]"""
-    friction_coefficient: float = 0.0
+    friction_coefficient: float = number("Coulomb friction.", low=0, high=1, default=0.0)
     """Coulomb friction. [-]"""
-    breakaway_speed: float = 6.45e-3
+    breakaway_speed: float = quantity(
+        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=6.45e-3
+    )
     """Speed of the friction peak. [m/s]"""
-    law: str = "stick"
+    law: str = choice("Set-valued stick, or smooth.", "stick", "stribeck", default="stick")
     """Set-valued, or smooth. One of ``stick``, ``stribeck``."""
 
 

@@ -69,7 +69,7 @@ class GasModel:
         }
         if self.law not in allowed:
             names = ", ".join(allowed)
-            raise CaseError(f"fluid.gas_law: found {self.law!r}, allowed {names}")
+            raise CaseError("fluid.gas_law", f"{self.law!r}", names)
         return allowed[self.law]
 
 
@@ -117,7 +117,7 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     celsius = temperature - ZERO_CELSIUS
     if not low - ROUNDING <= celsius <= high + ROUNDING:
         allowed = f"{low:g} to {high:g} degC for {name}"
-        raise CaseError(f"fluid.temperature: found {celsius:g} degC, allowed {allowed}")
+        raise CaseError("fluid.temperature", f"{celsius:g} degC", allowed)
     density = float(table["density"]["intercept"] + table["density"]["slope"] * temperature)
     modulus = _linear(table["bulk_modulus"], temperature)
     slope = table["bulk_modulus"]["per_pressure"]
@@ -222,9 +222,9 @@ def _viscosity_fall(source: str | Path | Columns, temperature: float, viscosity:
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:
     """Return the constants of a liquid with air, at a temperature [K], at constant viscosity."""
     if gas.saturation_pressure < 1.2 * liquid.vapour_pressure:
-        found = f"found {1e-5 * gas.saturation_pressure:g} bar"
+        found = f"{1e-5 * gas.saturation_pressure:g} bar"
         lowest = f"{1.2e-5 * liquid.vapour_pressure:g} bar or more (1.2 times the vapour pressure)"
-        raise CaseError(f"fluid.saturation_pressure: {found}, allowed {lowest}")
+        raise CaseError("fluid.saturation_pressure", found, lowest)
     air = AIR_GAS_CONSTANT * temperature
     density_ratio = ATMOSPHERIC_PRESSURE / air / liquid.density
 

@@ -92,7 +92,7 @@ class TableFit(LiquidState):
 
 
 def _fail(path: Path | Columns, place: str, found: object, allowed: str) -> NoReturn:
-    raise CaseError(f"fluid.table: {path.name}, {place}: found {found}, allowed {allowed}")
+    raise CaseError(f"fluid.table: {path.name}, {place}", found, allowed)
 
 
 def _columns(path: Path | Columns, header: list[str]) -> dict[str, tuple[int, str]]:
@@ -145,9 +145,7 @@ def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
             cells = csv.reader(text.splitlines(), delimiter=separator)
             lines = [(k, line) for k, line in enumerate(cells, start=1) if any(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise CaseError(
-            f"fluid.table: found {path} unreadable ({error}), allowed a CSV file"
-        ) from error
+        raise CaseError("fluid.table", f"{path} unreadable ({error})", "a CSV file") from error
     if len(lines) < 2:
         _fail(path, "row 1", f"{len(lines)} rows", "a header and rows of numbers")
     columns = _columns(path, lines[0][1])
@@ -231,11 +229,9 @@ def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     levels = np.unique(np.round(data["temperature"], 9))
     if not levels[0] - ROUNDING <= temperature <= levels[-1] + ROUNDING:
         low, high = levels[0] - ZERO_CELSIUS, levels[-1] - ZERO_CELSIUS
-        found = f"found {temperature - ZERO_CELSIUS:g} degC"
-        raise CaseError(
-            f"fluid.temperature: {found}, allowed {low:g} to {high:g} degC, column temperature "
-            f"of {path.name}"
-        )
+        found = f"{temperature - ZERO_CELSIUS:g} degC"
+        allowed = f"{low:g} to {high:g} degC, column temperature of {path.name}"
+        raise CaseError("fluid.temperature", found, allowed)
     lines = {float(level): _isotherm(data, rows, float(level), path) for level in levels}
     upper = int(np.clip(np.searchsorted(levels, temperature), 1, max(levels.size - 1, 1)))
     pair = [float(levels[upper - 1]), float(levels[min(upper, levels.size - 1)])]

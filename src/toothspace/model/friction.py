@@ -77,10 +77,11 @@ def boundary_torque(s: SystemArrays) -> float:
     """Torque at the shaft of all interfaces at their boundary level under the present loads. [N m].
 
     Journals at the level of their curve at rest, or of their boundary friction; teeth likewise;
-    faces as at the lowest speed of their table, none without a table; the seal as in running.
+    faces as at the lowest speed of their table, none without a table; the seal at its own ratio.
     """
     journal, surface = s.journal, s.surface
-    total = s.drive[col.RUNNING_FRICTION] + s.constant.lateral_torque * s.lateral.now[REST_STRESS]
+    total = s.drive[col.RUNNING_FRICTION] * s.drive[col.SEAL_RATIO]
+    total += s.constant.lateral_torque * s.lateral.now[REST_STRESS]
     for j in range(s.size.journals):
         force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
         torque = journal[j, col.BOUNDARY_FRICTION] * force * journal[j, col.RADIUS]

@@ -151,7 +151,9 @@ def lateral_lookup(
     ends = drain_joined(description, np.arange(len(mean)))
     np.add.at(resting, ends[description.chamber_count :], mean[description.chamber_count :])
     area, reach = balance.floating.high_pressure.area, balance.interfaces[0].face.outer_radius
-    scales = [area, reach, *preload_of(balance), balance.high_node, balance.low_node]
+    warmth = float(np.mean([film.viscosity_ratio for film in description.laterals]))
+    ports = balance.high_node, balance.low_node
+    scales = [area, reach, *preload_of(balance), *ports, warmth]
     return LateralLookup(
         axes, counts, table.packed(), resting, np.array(scales), np.zeros(LATERAL_NOW)
     )

@@ -35,9 +35,9 @@ from toothspace.model.lateral_table import (
     LateralLookup,
 )
 
-LEAST_PRESSURE = 1e4
+LEAST_PRESSURE = 1e5
 """Pressure difference below which loads and friction are those of this one. [Pa]"""
-AREA, REACH, PRELOAD, PRELOAD_MOMENT, HIGH, LOW = range(6)
+AREA, REACH, PRELOAD, PRELOAD_MOMENT, HIGH, LOW, WARMTH = range(7)
 
 
 @kernel
@@ -61,7 +61,7 @@ def update_lateral_films(s: SystemArrays, state: Array) -> None:
     unit = scales[AREA] * difference
     now[LOAD_SCALE] = unit
     now[FORCE_SHARE], now[MOMENT_SHARE] = force / unit, moment / (unit * scales[REACH])
-    viscosity = s.fluid.dynamic_viscosity
+    viscosity = s.fluid.dynamic_viscosity * scales[WARMTH]
     at = (
         place(table, 0, state[s.size.film]),
         place(table, 1, state[s.size.film + 1]),

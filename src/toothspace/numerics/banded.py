@@ -63,9 +63,9 @@ def check_grid(key: str, grid: tuple[int, int]) -> None:
         while _SINGLE * prod(_band_shape(rows, fitting)) > MOST_MEMORY:
             fitting -= 1
         raise CaseError(
-            f"{key}: found {rows} x {lanes} cells, whose equations take "
-            f"{needed / 2**30:.1f} GiB of memory, allowed are {MOST_MEMORY / 2**30:g} GiB: "
-            f"{rows} x {fitting} cells fit"
+            key,
+            f"{rows} x {lanes} cells, whose equations take {needed / 2**30:.1f} GiB of memory",
+            f"are {MOST_MEMORY / 2**30:g} GiB: {rows} x {fitting} cells fit",
         )
 
 

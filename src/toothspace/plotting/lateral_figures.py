@@ -27,7 +27,8 @@ def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return loops of position, film, leakage and torque, and maps of the films."""
     positions = (
         "Position of the bearing, mean film, leakage and torque loss beside the gears over "
-        "the outlet pressure: full line up, broken line down. Crosses: friction left the bearing where it was."
+        "the outlet pressure: full line up, broken line down. Crosses: friction left the bearing "
+        "where it was."
     )
     contact = (
         "Smallest film, load that asperities carry, largest wear indicator and friction in the "

@@ -54,4 +54,4 @@ def load_solution(path: str | Path) -> Solution:
         )
     except (KeyError, ValueError, TypeError, IndexError) as error:
         found = f"a result without a usable {error}"
-        raise CaseError(f"{path}: found {found}, allowed one that this version wrote") from error
+        raise CaseError(path, found, "one that this version wrote") from error

@@ -259,7 +259,7 @@ class Figures:
         entries = self._entries
         if name not in entries:
             allowed = ", ".join(entries)
-            raise CaseError(f"figure: found {name!r}, allowed for this result {allowed}")
+            raise CaseError("figure", f"{name!r}", f"for this result {allowed}")
         figure: Figure = entries[name].draw(self.solution, self.solution.description)
         return figure
 

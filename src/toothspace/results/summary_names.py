@@ -84,6 +84,4 @@ def require_known(wanted: Mapping[str, str], label: str, *, over_time: bool) -> 
     for key, name in wanted.items():
         if name not in known and (over_time or not name.startswith(BY_LABEL)):
             allowed = suggestion(name, known)
-            raise CaseError(
-                f"{label}: {key}: found {name!r}, which is no result, allowed {allowed}"
-            )
+            raise CaseError(f"{key}", f"{name!r}, which is no result", allowed).in_file(label)

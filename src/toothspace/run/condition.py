@@ -31,7 +31,7 @@ def fluid_keys(case: Case) -> FluidChoice:
         If it has none.
     """
     if case.fluid is None:
-        raise CaseError("fluid: found none, allowed a case with a [fluid] table")
+        raise CaseError("fluid", "none", "a case with a [fluid] table")
     return case.fluid
 
 
@@ -93,7 +93,7 @@ def condition_of(
         return _circuit_condition(case, description, law)
     if case.operating_point is None:
         allowed = "a case with an [operating_point] or a [circuit]"
-        raise CaseError(f"operating_point: found none, allowed {allowed}")
+        raise CaseError("operating_point", "none", allowed)
     return _steady_condition(case, case.operating_point, description, law)
 
 

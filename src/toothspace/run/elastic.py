@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
@@ -12,27 +14,42 @@ from toothspace.floating.problem import (
     LateralSettings,
     balance_of,
 )
+from toothspace.model.description import MachineDescription
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
-from toothspace.run.heating import lateral_heating, with_temperatures
+from toothspace.run import lumped
+from toothspace.run.heating import lateral_heating, with_heat
+from toothspace.run.interfaces import interface_models
 from toothspace.run.run import Run
 
 
 def simulate(run: Run, progress: Progress | None = None) -> Solution:
-    """Chambers and lateral films in agreement, then one revolution of the films."""
+    """Chambers and lateral films in agreement, then one revolution of the films.
+
+    Where covers rest nothing is in balance but rotors that are free between them, which the
+    solved films count already.
+    """
+    if interface_models(run.case)["lateral"] == "reynolds":
+        return lumped.simulate(run, progress)
     require_floating_part(run.case)
     case, balance = run.case, balance_of(run.machine)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
     ready = run.worn(progress).with_films(progress)
-    found = coupled_solution(
+
+    def heated(
+        machine: MachineDescription, march: Callable[[MachineDescription], Solution]
+    ) -> Solution:
+        return with_heat(case, machine, march(machine), march)
+
+    return coupled_solution(
         ready.machine,
         ready.fluid,
         ready.repeated(progress),
         request,
         case.run.film_steps_per_revolution,
         progress,
+        heated=heated,
     )
-    return with_temperatures(case, ready.machine, found)
 
 
 def lateral_settings(case: Case) -> LateralSettings:

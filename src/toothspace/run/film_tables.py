@@ -70,16 +70,17 @@ def with_film_tables(
     try:
         tables = read_dataset(path, "a NetCDF file of 'toothspace reduce'")
     except CaseError as error:
-        raise CaseError(f"run.film_tables: {error}") from error
+        raise error.read_for("run.film_tables") from error
     kinds = str(tables.attrs.get(KINDS, "")).split()
     if not kinds or not set(kinds) <= APPLIED.keys():
-        found = f"run.film_tables: found {path} with {' '.join(kinds) or 'no films'}"
-        raise CaseError(f"{found}, allowed tables of {', '.join(sorted(APPLIED))} films")
+        found = f"{path} with {' '.join(kinds) or 'no films'}"
+        raise CaseError("run.film_tables", found, f"tables of {', '.join(sorted(APPLIED))} films")
     for kind in kinds:
         missing = [name for name in _NEEDED[kind] if f"{kind}_{name}" not in tables]
         if missing:
-            found = f"run.film_tables: found {path} without {kind}_{missing[0]}"
-            raise CaseError(f"{found}, allowed a file that this version's 'toothspace reduce' made")
+            found = f"{path} without {kind}_{missing[0]}"
+            allowed = "a file that this version's 'toothspace reduce' made"
+            raise CaseError("run.film_tables", found, allowed)
         description = APPLIED[kind](description, tables)
     return description, tuple(kinds)
 
@@ -91,15 +92,16 @@ def with_journal_friction(
     known, journals = [str(name) for name in tables["journal"].values], []
     for journal in description.journals:
         if journal.body not in known:
-            found = f"run.film_tables: found bearings of {', '.join(known)}"
-            raise CaseError(f"{found}, allowed a table for {journal.body}")
+            found = f"bearings of {', '.join(known)}"
+            raise CaseError("run.film_tables", found, f"a table for {journal.body}")
         row = tables.sel(journal=journal.body)
         for name in JOURNAL_SIZES:
             given, size = float(row[f"journal_{name}"]), float(getattr(journal, name))
             if not np.isclose(given, size, rtol=_SAME_SIZE):
                 raise CaseError(
-                    f"run.film_tables: found a bearing with {name} {given:.6g} m, "
-                    f"allowed that of the case, {size:.6g} m"
+                    "run.film_tables",
+                    f"a bearing with {name} {given:.6g} m",
+                    f"that of the case, {size:.6g} m",
                 )
         journals.append(replace(journal, friction=friction_curves(row)))
     return replace(description, journals=tuple(journals))
@@ -125,16 +127,17 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
     balance = description.lateral_balance
     if balance is None:
         allowed = "a machine with a floating part in balance"
-        raise CaseError(f"run.film_tables: found tables of lateral films, allowed {allowed}")
+        raise CaseError("run.film_tables", "tables of lateral films", allowed)
     for name, size in lateral_sizes(description).items():
         found = float(tables[f"lateral_{name}"])
         if not np.isclose(found, size, rtol=_SAME_SIZE):
             raise CaseError(
-                f"run.film_tables: found lateral films with {name} {found:.6g} (SI units), allowed "
-                f"that of the case, {size:.6g}"
+                "run.film_tables",
+                f"lateral films with {name} {found:.6g} (SI units)",
+                f"that of the case, {size:.6g}",
             )
     if not bool(tables["lateral_converged"].all()):
-        raise CaseError("run.film_tables: found loads without an equilibrium, allowed none")
+        raise CaseError("run.film_tables", "loads without an equilibrium", "none")
     own = {name: tables[f"lateral_{name}"] for name in _NEEDED["lateral"]}
     drag = own["pressure_torque"] - own["asperity_torque"]
     axes = ("force_share", "moment_share", "pressure_difference", "shaft_speed")

@@ -71,8 +71,8 @@ def with_heat(
         if change < _AGREED or done == _ROUNDS:
             break
         if tried.max() >= highest and reached.max() > highest:
-            asked = f"heat.model: found films of {reached.max() - ZERO_CELSIUS:.0f} degC"
-            raise CaseError(f"{asked}, allowed temperatures that the fluid is known at")
+            asked = f"films of {reached.max() - ZERO_CELSIUS:.0f} degC"
+            raise CaseError("heat.model", asked, "temperatures that the fluid is known at")
         following = mixing.following(tried, reached - tried)
         if done == 0:
             following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)

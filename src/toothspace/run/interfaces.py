@@ -27,6 +27,9 @@ def unused_tables(case: Case) -> dict[str, str]:
         path, value = f"machine.{tables[part]}", attrgetter(tables[part])(case.machine)
         if value not in (None, "given"):
             given[path if isinstance(value, str) else f"[{path}]"] = reasons[part]
+    if case.heat.model == "coupled" and (case.circuit is not None or not run.preset.has_losses):
+        where = "over time" if case.circuit is not None else f"with {run.fidelity!r}"
+        given["heat.model"] = f"by a run {where}"
     for key in (name for preset in PRESETS.values() for name in preset.own_keys):
         if not run.preset.reads(key) and getattr(run, key) != getattr(RunSettings, key):
             given[f"run.{key}"] = f"by a run with {run.fidelity!r}"
@@ -54,6 +57,8 @@ def interface_models(
     models = {name: offered[0] for name, offered in preset.interfaces.items()}
     if models and (case.run.mesh == "elastic" or not rigid_mesh):
         models["contact"] = "compliant"
+    if "elastic" in models.values() and getattr(case.machine, "covers_rest", False):
+        models["lateral"] = "reynolds"
     for name in tables:
         models[name] = "table"
     chosen = case.run.interfaces
@@ -62,6 +67,6 @@ def interface_models(
         if name in tables or model not in offered:
             found = f"{model!r} with {'tables of these films' if name in tables else preset.name!r}"
             allowed = "no choice" if name in tables else " or ".join(map(repr, offered)) or "none"
-            raise CaseError(f"run.interfaces.{name}: found {found}, allowed {allowed}")
+            raise CaseError(f"run.interfaces.{name}", found, allowed)
         models[name] = model
     return models

@@ -1,95 +1,342 @@
-"""A load orifice sized so that the mean outlet pressure is the one asked for."""
+r"""A load orifice sized so that the mean outlet pressure is the one asked for.
+
+A machine that delivers the mean mass flow :math:`\dot m(p)` against a mean pressure :math:`p`
+above that of the load settles where its orifice passes as much,
+
+.. math:: \dot m(p) = A\, C \sqrt{2 \rho p} .
+
+The flow at the asked pressure is known from a run with that pressure held; without any there is no
+orifice. From then on every round measures pressure and both flows of a periodic state, takes the
+line from its flow to that of a machine that does not leak for :math:`\dot m(p)`, and gives the
+orifice the area and the outlet volume the pressure at which both flows agree.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
-from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
+from toothspace.case.rules import LEAST_LOAD
+from toothspace.closures.density import mixture_density
+from toothspace.closures.orifice import (
+    DISCHARGE_COEFFICIENT,
+    inertial_laminar_flow,
+    orifice_conductance,
+)
+from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.progress import UNKNOWN, Progress, tell
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.core.units import format_si
+from toothspace.model import arrays as col
+from toothspace.model.assembly import System, node_places
+from toothspace.model.walls import wall_volume
+from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
 from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.initial import start_state
 
-_LOAD_ROUNDS = 4
-_LOAD_SETTLED = 1e-2
+LOAD_MATCH = 2e-3
+"""Difference between reached and asked pressure drop that counts as none. [-]"""
+
+_ROUNDS = 10
 _EVERY = 16
 """Every so many of the dense states count to the mean pressure."""
-_LOAD_MATCH = 2e-3
-_WITHOUT_LEAKAGE = 0.5
-_MOST_LEAKAGE = 1.5
-"""Powers of the pressure that the area of the load orifice grows with. [-]"""
+_SEARCHES = 3
+_LARGEST_CHANGE = 5.0
+"""Largest factor on the area in one round. [-]"""
+_OF_THE_WAY = 0.8
+"""Part of the way to an area that asks for a change in the other sense that is gone at most."""
+_MARGIN = 0.9
+"""Advised pressure over the one at which a machine that leaks in proportion delivers nothing."""
+_LEAST_PRESSURE = 0.5
+"""Smallest pressure that a round begins with, over the one before. [-]"""
+
+_TAKES_BACK = (
+    "The outlet pressure of {asked} is not reached: against it more leaks back than the machine "
+    "displaces at {speed}, and no load orifice holds it. The numbers are those with this pressure "
+    "held at the outlet. {advice}"
+)
+_HOLDS = (
+    "Lower operating_point.outlet_pressure to {holds}, which it holds, raise "
+    "operating_point.shaft_speed, or make the gaps smaller."
+)
+_HOLDS_NOTHING = "Raise operating_point.shaft_speed, or make the gaps smaller."
+_MISSED = (
+    "The mean outlet pressure is {found} where {asked} was asked: no area of the load orifice was "
+    "found at which both agree within {match:g} % of the pressure difference. "
+    'Set operating_point.outlet_load = "fixed_pressure", or ask for {found}.'
+)
+
+
+@final
+@dataclass(frozen=True)
+class OutletBalance:
+    """Mean pressure and mass flows at the outlet over one revolution."""
+
+    pressure: float
+    """Pressure above that of the load. [Pa]"""
+    delivered: float
+    """Mass flow that the machine delivers. [kg/s]"""
+    passed: float
+    """Mass flow through the orifice. [kg/s]"""
+    slope: float
+    """Change of the delivered mass flow with the pressure, not positive. [kg/(s Pa)]"""
+
+    def after(self, before: OutletBalance | None) -> OutletBalance:
+        """Balance with the slope of the flow from another round to this one, if it tells one."""
+        if before is None or abs(self.pressure - before.pressure) <= LOAD_MATCH * self.pressure:
+            return self
+        slope = (self.delivered - before.delivered) / (self.pressure - before.pressure)
+        return replace(self, slope=min(slope, 0.0))
+
+    @property
+    def drift(self) -> float:
+        """Pressure by which the state would still move until both flows agree. [Pa]."""
+        stiffness = self.passed / (2.0 * self.pressure) - self.slope
+        return (self.delivered - self.passed) / stiffness if stiffness > 0.0 else np.inf
+
+    def meets(self, wanted: float) -> bool:
+        """Whether the pressure is the wanted one [Pa] and stays there."""
+        if self.pressure <= 0.0 or self.passed <= 0.0:
+            return False
+        return max(abs(self.pressure - wanted), abs(self.drift)) <= LOAD_MATCH * wanted
+
+    def change_of_area(self, wanted: float) -> float:
+        """Factor on the area that leads to the wanted pressure [Pa]. [-]."""
+        flow = self.delivered + self.slope * (wanted - self.pressure)
+        if flow <= 0.0 or self.passed <= 0.0 or self.pressure <= 0.0:
+            return 1.0 / _LARGEST_CHANGE
+        factor = flow / self.passed * np.sqrt(self.pressure / wanted)
+        return float(np.clip(factor, 1.0 / _LARGEST_CHANGE, _LARGEST_CHANGE))
 
 
 def march_against_orifice(
     machine: Assembled, plan: RunPlan, last: History | None, progress: Progress | None
 ) -> tuple[History, str]:
-    """Size the load orifice until the mean outlet pressure is the one asked for.
+    """March against a load orifice with which the mean outlet pressure is the asked one.
+
+    Parameters
+    ----------
+    machine : Assembled
+        Machine at its operating point, without the area of its orifice.
+    plan : RunPlan
+        How long to march in every round.
+    last : History, optional
+        A former run of the same machine or of one that differs little, to begin with.
+    progress : callable, optional
+        Called with the finished share and a short text.
 
     Returns
     -------
     history : History
-        The last revolution.
+        The last revolution; ``not_reached`` where the mean pressure is another than the asked one.
     told : str
-        What was not reached, empty if nothing.
+        What was not reached, and what to do; empty if nothing.
     """
+    if last is not None:
+        area = last.system.condition.load_area
+        history, told = _sized(machine, area, plan, first_turn_state(last), progress)
+        if not told:
+            return history, told
+    held = _held(machine, machine.condition.outlet_pressure, plan, progress)
+    if held.status in CUT_SHORT:
+        return held, ""
+    balance = outlet_balance(held)
+    if balance.delivered <= 0.0:
+        advice = _takes_back(machine, balance, plan, progress)
+        return replace(held, status=Status.NOT_REACHED), advice
+    area = first_area(held.system, balance)
+    state = _carried(held, _loaded(machine, area).at(machine.condition.relative_tolerance))
+    return _sized(machine, area, plan, state, progress)
+
+
+def _sized(
+    machine: Assembled, area: float, plan: RunPlan, state: Array, progress: Progress | None
+) -> tuple[History, str]:
+    """March, and size again until the pressure is the wanted one."""
+    wanted = machine.condition.outlet_pressure - machine.condition.load_pressure
+    tried: list[tuple[float, float]] = []
+    before: OutletBalance | None = None
+    for done in range(_ROUNDS):
+        history = march_to_balance(_loaded(machine, area), plan, progress, state)
+        balance = outlet_balance(history).after(before)
+        if history.status in CUT_SHORT or balance.meets(wanted):
+            return history, ""
+        if done < _ROUNDS - 1:
+            tried.append((math.log(area), math.log(balance.change_of_area(wanted))))
+            area, before = math.exp(_following(tried)), balance
+            state = _pressed(history, wanted - balance.pressure)
+            found = format_si(balance.pressure + machine.condition.load_pressure, "bar")
+            tell(progress, UNKNOWN, f"load orifice, {found} with its last area")
+    told = _MISSED.format(
+        found=format_si(balance.pressure + machine.condition.load_pressure, "bar"),
+        asked=format_si(machine.condition.outlet_pressure, "bar"),
+        match=100.0 * LOAD_MATCH,
+    )
+    return replace(history, status=_missed(history.status)), told
+
+
+def _following(tried: list[tuple[float, float]]) -> float:
+    """Next logarithm of the area, from those tried and the changes that each asks for. [-]."""
+    place, change = tried[-1]
+    opposite = [other - place for other, its_change in tried if its_change * change < 0.0]
+    if opposite:
+        nearest = min(opposite, key=abs)
+        if abs(change) > _OF_THE_WAY * abs(nearest):
+            change = 0.5 * nearest
+    return place + change
+
+
+def _missed(status: Status) -> Status:
+    return Status.NOT_REACHED if status is Status.DONE else status
+
+
+def _loaded(machine: Assembled, area: float) -> Assembled:
+    return replace(machine, condition=replace(machine.condition, load_area=area))
+
+
+def _held(machine: Assembled, pressure: float, plan: RunPlan, progress: Progress | None) -> History:
+    """March until cyclic with the outlet held at a pressure, and no line behind it."""
     condition = machine.condition
-    wanted = condition.outlet_pressure - condition.load_pressure
-
-    def loaded(area: float) -> Assembled:
-        return replace(machine, condition=replace(condition, load_area=area))
-
-    history = last or _roughly_sized(machine, loaded, wanted, plan, progress)
-    area, found = history.system.condition.load_area, _gauge_pressure(history)
-    exponent = _WITHOUT_LEAKAGE
-    for _ in range(_LOAD_ROUNDS):
-        if history.status in CUT_SHORT:
-            break
-        wider, before = (found / wanted) ** exponent, found
-        area *= wider
-        history = march_to_balance(loaded(area), plan, progress, first_turn_state(history))
-        found = _gauge_pressure(history)
-        if abs(found / wanted - 1.0) < _LOAD_MATCH:
-            break
-        if abs(wider - 1.0) > _LOAD_MATCH:
-            slope = np.log(wider) / np.log(before / found)
-            exponent = float(np.clip(slope, _WITHOUT_LEAKAGE, _MOST_LEAKAGE))
-    return history, ""
-
-
-def _roughly_sized(
-    machine: Assembled,
-    loaded: Callable[[float], Assembled],
-    wanted: float,
-    plan: RunPlan,
-    progress: Progress | None,
-) -> History:
-    """March against the orifice of a machine that does not leak until its pressure settles."""
+    circuit = condition.circuit if condition.load_node == "outlet" else None
+    held = replace(condition, outlet_pressure=pressure, circuit=circuit, load_node="outlet")
+    system = replace(machine, condition=held).at(condition.relative_tolerance)
 
     def sizing(_: float, text: str) -> None:
         tell(progress, UNKNOWN, f"load orifice, {text}")
 
-    condition, density = machine.condition, machine.fluid.reference_density
-    flow = machine.description.displacement * condition.shaft_speed
-    area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / density))
-    system, once = loaded(area).at(condition.relative_tolerance), replace(plan, revolutions=1)
-    history = march_revolutions(system, once, sizing)
-    found, settled = _gauge_pressure(history), False
-    while history.status not in CUT_SHORT and not settled:
-        history = march_revolutions(system, once, sizing, first_turn_state(history))
-        before, found = found, _gauge_pressure(history)
-        settled = abs(found / before - 1.0) < _LOAD_SETTLED
-    return history
+    return march_revolutions(system, replace(plan, revolutions=None), sizing)
 
 
-def _gauge_pressure(history: History) -> float:
-    """Mean pressure of the outlet volume over the last revolution, above that of the load. [Pa]."""
-    dense = history.dense
+def _takes_back(
+    machine: Assembled, balance: OutletBalance, plan: RunPlan, progress: Progress | None
+) -> str:
+    """What to say where nothing is delivered, with a pressure at which something is."""
+    condition = machine.condition
+    least = max(condition.load_pressure + LEAST_LOAD, condition.inlet_pressure)
+    holds, tried = 0.0, balance
+    for _ in range(_SEARCHES):
+        if tried.slope == 0.0:
+            break
+        nothing = tried.pressure - tried.delivered / tried.slope
+        asked = _rounded_down(condition.load_pressure + _MARGIN * nothing)
+        if asked < least:
+            break
+        history = _held(machine, asked, plan, progress)
+        tried = outlet_balance(history)
+        if tried.delivered > 0.0 and history.status not in CUT_SHORT:
+            holds = asked
+            break
+    advice = _HOLDS.format(holds=format_si(holds, "bar")) if holds else _HOLDS_NOTHING
+    return _TAKES_BACK.format(
+        asked=format_si(condition.outlet_pressure, "bar"),
+        speed=format_si(condition.shaft_speed, "rpm"),
+        advice=advice,
+    )
+
+
+def _rounded_down(pressure: float) -> float:
+    """Next lower pressure of two digits. [Pa]."""
+    digit = 10.0 ** (math.floor(math.log10(pressure)) - 1)
+    return digit * math.floor(pressure / digit)
+
+
+def outlet_balance(history: History) -> OutletBalance:
+    """Mean pressure and flows at the outlet over the last revolution of a march."""
+    system, condition = history.system, history.system.condition
+    description, places = system.description, node_places(system.description, condition)
     # dense states, so that the orifice does not hang on the samples
-    states = history.states if dense is None else dense.states[::_EVERY]
-    seen = observe(history.system.arrays, states[: max(len(states) - 1, 1)])
-    mean = float(seen.pressure[:, history.system.description.outlet_node].mean())
-    return mean - history.system.condition.load_pressure
+    states = history.states if history.dense is None else history.dense.states[::_EVERY]
+    seen = observe(system.arrays, states[: max(len(states) - 1, 1)])
+    pressure = float(seen.pressure[:, description.outlet_node].mean())
+    change = history.states[-1] - history.states[0]
+    duration = max(float(history.times[-1] - history.times[0]), 1e-300)
+    gained = change[system.arrays.balance[:, 0]] / duration
+    passed = gained[places["load"]]
+    delivered = passed + gained[_outlet_nodes(system)].sum()
+    ideal = description.displacement * condition.shaft_speed
+    ideal *= float(seen.density[:, description.inlet_node].mean())
+    rise = pressure - condition.inlet_pressure
+    slope = (delivered - ideal) / rise if rise != 0.0 else 0.0
+    return OutletBalance(
+        pressure - condition.load_pressure, float(delivered), float(passed), min(float(slope), 0.0)
+    )
+
+
+def _outlet_nodes(system: System) -> list[int]:
+    """Outlet volume and nodes of the line between it and the orifice."""
+    condition, places = system.condition, node_places(system.description, system.condition)
+    names = {"outlet"}
+    if condition.load_node != "outlet" and condition.circuit is not None:
+        names |= {node.name for node in condition.circuit.nodes}
+    return [places[name] for name in sorted(names)]
+
+
+def first_area(system: System, balance: OutletBalance) -> float:
+    """Area of the orifice that passes what a machine delivers at a pressure. [m2]."""
+    fluid, load = system.arrays.fluid, system.condition.load_pressure
+    upstream = load + balance.pressure
+    density = float(mixture_density(upstream, fluid.feed_gas_mass_fraction, fluid))
+    viscosity = float(dynamic_viscosity(upstream, fluid))
+
+    def excess(logarithm: float) -> float:
+        area = float(np.exp(logarithm))
+        conductance = orifice_conductance(area, np.sqrt(4.0 * area / np.pi), viscosity)
+        discharge = DISCHARGE_COEFFICIENT * area
+        flow, _, _ = inertial_laminar_flow(balance.pressure, conductance, discharge, density)
+        return float(np.log(density * flow / balance.delivered))
+
+    jet = DISCHARGE_COEFFICIENT * np.sqrt(2.0 * density * balance.pressure)
+    least = widest = float(np.log(balance.delivered / jet))
+    while excess(widest) < 0.0:
+        widest += 1.0
+    return float(np.exp(root_between(excess, least, widest)))
+
+
+def _carried(held: History, system: System) -> Array:
+    """State of a system with another outlet that begins where a run with a held one ended."""
+    before, last, state = held.system, first_turn_state(held), start_state(system)
+    old, new = before.arrays.size, system.arrays.size
+    places = node_places(system.description, system.condition)
+    known = node_places(before.description, before.condition)
+    pairs = [(k, k) for k in range(new.chambers)]
+    pairs += [(node, places[name]) for name, node in known.items() if name in places]
+    for node, place in pairs:
+        source, target = before.arrays.dynamic_index[node], system.arrays.dynamic_index[place]
+        if source >= 0 and target >= 0:
+            state[new.mass + target] = last[old.mass + source]
+            state[new.gas + target] = last[old.gas + source]
+    state[0] = last[0]
+    state[new.position : new.column] = last[old.position : old.column]
+    if system.condition.load_node == "outlet":
+        state[new.column : new.film] = last[old.column : old.film]
+    else:
+        # a line that carries the mean flow, with friction in balance
+        density = float(system.arrays.node[system.description.outlet_node, col.DENSITY])
+        state[new.column : new.film] = outlet_balance(held).delivered / density
+    state[new.film : new.load] = last[old.film : old.load]
+    return state
+
+
+def _pressed(history: History, change: float) -> Array:
+    """Last state of a march with another pressure in its outlet volume and line. [Pa]."""
+    system, state = history.system, first_turn_state(history)
+    arrays, size = system.arrays, system.arrays.size
+    seen = observe(arrays, state[None])
+    for node in _outlet_nodes(system):
+        mass, gas = (first + arrays.dynamic_index[node] for first in (size.mass, size.gas))
+        before = float(seen.pressure[0, node])
+        after = max(before + change, _LEAST_PRESSURE * before)
+        row, share = arrays.node[node], state[gas] / state[mass]
+        volume = row[col.VOLUME]
+        if row[col.REST_VOLUME] > 0.0:
+            volume = wall_volume(row, after)[0]
+        state[mass] = float(mixture_density(after, share, arrays.fluid)) * volume
+        state[gas] = share * state[mass]
+    return state

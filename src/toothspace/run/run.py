@@ -12,6 +12,7 @@ import numpy as np
 
 import toothspace
 from toothspace.case import Case
+from toothspace.case.presets import ELASTIC
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
@@ -132,7 +133,12 @@ class Run:
     def provenance(self) -> dict[str, str]:
         """Where a result comes from, as text; the model of each interface by its name."""
         models = {f"{name}_model": model for name, model in self.interfaces.items()}
-        return {**provenance_of(self.case), **models}
+        films = "at the temperature of the fluid"
+        if self.case.heat.model == "coupled" and not self.condition.over_time:
+            films = "as warm as the heat network finds them"
+        elif self.case.run.preset is ELASTIC and self.case.run.film_oil_share > 0.0:
+            films = "as warm as their own heat and flow make them"
+        return {**provenance_of(self.case), **models, "films": films}
 
     def _over_time(self, progress: Progress | None) -> Solution:
         case = self.case

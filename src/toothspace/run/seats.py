@@ -18,8 +18,8 @@ _LONGEST_CHANGE = 4.0
 _SEAT_ROUNDS, _SEATED = 8, 0.05
 """Most runs, and difference of leakage, until bearings sit where the pressures press them."""
 _BEYOND = (
-    "The load on the lateral films is beyond their table in {:.0f} % of the time, and counts as "
-    "its edge: make tables over a wider range."
+    "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
+    "counts as its edge: make tables over a wider range."
 )
 _UNSEATED = (
     "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
@@ -62,6 +62,8 @@ class SeatSearch:
         """Solution that says so where a table does not reach, or seats and gaps do not agree."""
         if self.machine.lateral_table is None:
             return found
-        beyond = float(found.data["lateral_load_beyond"].mean())
+        turning = np.asarray(found.data["shaft_speed"]) != 0.0
+        samples = np.asarray(found.data["lateral_load_beyond"])
+        beyond = float(samples[turning].mean()) if turning.any() else 0.0
         said = found.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
         return said.with_note(self._unsettled)

@@ -89,7 +89,7 @@ def _with_solved_faces(
         return with_shared_films(description, solved_covers(description, condition, fluid))
     if all(film.face is None for film in description.laterals):
         found = "'reynolds' for a machine that gives the outline of none of its faces"
-        raise CaseError(f"run.interfaces.lateral: found {found}, allowed 'closed_form'")
+        raise CaseError("run.interfaces.lateral", found, "'closed_form'")
     faces = {f.body: _Face(description, f) for f in description.laterals if f.face is not None}
     replaced = {path.name for face in faces.values() for path in (face.across, face.inwards)}
     kept = [path for path in description.paths if path.name not in replaced]
@@ -186,4 +186,4 @@ def _path(description: MachineDescription, category: PathCategory, nodes: IntArr
     for path in description.paths:
         if path.category == category and np.isin(path.nodes_a, nodes).all():
             return path
-    raise CaseError(f"run.fidelity: found 'films' without {category.name} paths, allowed are faces")
+    raise CaseError("run.fidelity", f"'films' without {category.name} paths", "are faces")

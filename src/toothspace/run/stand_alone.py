@@ -26,14 +26,12 @@ from toothspace.core.status import Status
 from toothspace.films import summaries
 from toothspace.films.field_files import FilmSolution, save_film, save_film_vtk
 from toothspace.films.journal.bearing import JournalBearing
-from toothspace.films.journal.geometry import Groove, Lobes
 from toothspace.films.journal.shaft_motion import OrbitSettings, shaft_orbit
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane.rigid_faces import FaceFilms, FaceSetting, solve_faces
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import Film, solve_heated
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
@@ -88,12 +86,8 @@ def _film_at(
     match keys:
         case JournalBearingCase():
             if keys.heat is not None and keys.orbit is not None:
-                raise CaseError("bearing.heat: found an orbit, allowed a steady film")
-            own = {
-                "grooves": tuple(Groove(**vars(groove)) for groove in keys.grooves),
-                "lobes": None if keys.lobes is None else Lobes(**vars(keys.lobes)),
-            }
-            return lambda mu: _journal_film(_made(JournalBearing, keys, mu, **own), keys)
+                raise CaseError("bearing.heat", "an orbit", "a steady film")
+            return lambda mu: _journal_film(_made(JournalBearing, keys, mu), keys)
         case FilmCase():
             p = keys.pocket
             pocket = None if p is None else Pocket(p.depth, p.x, p.length, p.width)
@@ -128,14 +122,12 @@ def _heated(
         given = keys.dynamic_viscosity
         return solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
     if case.fluid is None:
-        raise CaseError(f"{place}.heat: found no fluid, allowed the viscosity of a table [fluid]")
+        raise CaseError(f"{place}.heat", "no fluid", "the viscosity of a table [fluid]")
     heating = film_heating(case, keys.heat.oil_share)
     try:
         heated = solve_heated(solve, heating.viscosity, heating.balance)
     except CaseError as error:
-        if str(error).startswith("heat:"):
-            raise CaseError(f"{place}.{error}") from error
-        raise
+        raise error.under(place if error.problems[0].key == "heat" else "") from error
     return heated.film, summaries.heat_summary(heated)
 
 
@@ -195,7 +187,6 @@ def _made(of: Callable[..., T], keys: FilmKeys, dynamic_viscosity: float, **othe
         "dynamic_viscosity": dynamic_viscosity,
         "compressible": compressible,
         "fluid": FilmFluid(dynamic_viscosity, keys.pressure_viscosity, compressible),
-        "surfaces": None if keys.surfaces is None else RoughSurfaces(**vars(keys.surfaces)),
         **other,
     }
     return of(**{name: value for name, value in given.items() if name in known})

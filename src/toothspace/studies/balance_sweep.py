@@ -139,7 +139,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     if not isinstance(study, BalanceSweepStudy):
-        raise CaseError('study.kind: found another study, allowed "balance_sweep"')
+        raise CaseError("study.kind", "another study", '"balance_sweep"')
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
     return StudyResult(

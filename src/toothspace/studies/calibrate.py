@@ -13,13 +13,14 @@ from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Free,
-    KeyRuleError,
+    Integer,
     KeyTable,
     Named,
     Row,
     declare,
     file_path,
     integer,
+    items,
     number,
 )
 from toothspace.core.status import Status
@@ -52,6 +53,13 @@ class CalibrateStudy(KeyTable):
         Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
     )
     hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
+    fit_rows: tuple[int, ...] | None = items(
+        Integer(low=1, high=10**6),
+        "Rows of steady points that are fitted, counted from 1, all others held out; a share of "
+        "the data if not given.",
+        low=1,
+        default=None,
+    )
     evaluation_count: int = integer(
         "Most sets of values that are tried.", low=2, high=10**6, default=200
     )
@@ -59,7 +67,7 @@ class CalibrateStudy(KeyTable):
 
     def __post_init__(self) -> None:
         if not self.fit:
-            raise KeyRuleError("fit", "nothing", "at least one key path with two bounds")
+            raise CaseError("fit", "nothing", "at least one key path with two bounds")
         for path, bounds in self.fit.items():
             check_span(dict(zip(("from", "to"), bounds, strict=True)), f"fit.{path}")
 
@@ -97,8 +105,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         first, last, duration = measured.times[0], measured.times[-1], case.circuit.duration
         if first < 0.0 or last > duration * (1.0 + 1e-9):
             raise CaseError(
-                f"{label}: study.data: found times from {first:g} s to {last:g} s, "
-                f"allowed 0 s to {duration:g} s"
+                f"{label}: study.data",
+                f"times from {first:g} s to {last:g} s",
+                f"0 s to {duration:g} s",
             )
     used = _used_rows(study, measured, len(axes), label)
     model = _Model(case, axes, measured, context, used, study.evaluation_count)
@@ -187,7 +196,7 @@ class _Model:
         unknown = [name for name in names if numbers is not None and name not in numbers]
         if unknown and numbers is not None:
             allowed = ", ".join(numbers)
-            raise CaseError(f"study.data: found the column {unknown[0]!r}, allowed {allowed}")
+            raise CaseError("study.data", f"the column {unknown[0]!r}", allowed)
         return names
 
 
@@ -203,16 +212,35 @@ def scales_of(measured: Measured) -> dict[str, float]:
 def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str) -> Array:
     """Rows of the fit: the first ones of signals, a random choice of steady points."""
     rows = measured.rows
+    if study.fit_rows is not None:
+        return _chosen_rows(study.fit_rows, measured, keys, label)
     kept_out = min(round(study.hold_out * rows), rows - 1)
     order = np.arange(rows)
     if measured.times is None:
         order = np.random.default_rng(study.seed).permutation(rows)
     used = np.ones(rows, dtype=bool)
     used[order[rows - kept_out :]] = False
+    return _enough(used, measured, keys, label)
+
+
+def _chosen_rows(chosen: Sequence[int], measured: Measured, keys: int, label: str) -> Array:
+    """Steady points that the case names, counted from 1."""
+    if measured.times is not None:
+        allowed = "steady points, or hold_out for signals over time"
+        raise CaseError(f"{label}: study.fit_rows", "signals over time", allowed)
+    if max(chosen) > measured.rows:
+        found = f"row {max(chosen)}"
+        raise CaseError(f"{label}: study.fit_rows", found, f"1 to {measured.rows}")
+    used = np.zeros(measured.rows, dtype=bool)
+    used[np.array(chosen) - 1] = True
+    return _enough(used, measured, keys, label)
+
+
+def _enough(used: Array, measured: Measured, keys: int, label: str) -> Array:
     numbers = int(used.sum()) * len(measured.channels)
     if numbers < keys:
         found = f"{numbers} numbers for {keys} keys"
-        raise CaseError(f"{label}: study.data: found {found}, allowed at least as many as keys")
+        raise CaseError(f"{label}: study.data", found, "at least as many as keys")
     return used
 
 

@@ -204,11 +204,11 @@ def _measured(path: Path, shaft_speed: float) -> xr.Dataset:
 
     found = read_measured(path)
     if found.times is None:
-        raise CaseError(f"{path}: columns: found no time, allowed signals over 'time [s]'")
+        raise CaseError(f"{path}: columns", "no time", "signals over 'time [s]'")
     channels = dict(found.channels)
     angle = channels.pop("shaft_angle", shaft_speed * found.times)
     if angle[-1] - angle[0] < 2.0 * np.pi:
-        raise CaseError(f"{path}: time: found less than a turn, allowed whole revolutions")
+        raise CaseError(f"{path}: time", "less than a turn", "whole revolutions")
     return xr.Dataset(
         {f"measured_{name}": ("measured_sample", values) for name, values in channels.items()}
         | {"measured_angle": ("measured_sample", angle, {"units": "rad"})}

@@ -97,8 +97,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         try:
             columns.append(np.array([axis.quantile(share) for share in row], dtype=float))
         except ValueError as error:
-            found, allowed = f"study.vary.{axis.path}: found words", "numbers, or texts with a unit"
-            raise CaseError(f"{found}, allowed {allowed}") from error
+            allowed = "numbers, or texts with a unit"
+            raise CaseError(f"study.vary.{axis.path}", "words", allowed) from error
     varied = {
         axis.path: column * (to_si(1.0, axis.unit) if axis.unit else 1.0)
         for axis, column in zip(axes, columns, strict=True)
@@ -110,7 +110,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     for name in wanted:
         if name not in designs.numbers:
             found, allowed = f"{name!r}, which is no result", suggestion(name, designs)
-            raise CaseError(f"{case.label}: study: found {found}, allowed {allowed}")
+            raise CaseError("study", found, allowed).in_file(case.label)
     if not designs.valid.any():
         against = "; ".join(f"{text}: {count}" for text, count in designs.counts().items())
         raise CaseError(f"{case.label}: study.vary: found no possible design ({against})")

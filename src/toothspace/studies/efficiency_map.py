@@ -172,7 +172,7 @@ def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[flo
             known[name] = parse_quantity(str(value), "bar")
     if speed is None or len(row) < _LEAST_SETTINGS:
         allowed = "operating_point.shaft_speed and a port pressure of operating_point"
-        raise CaseError(f"{path}: columns: found {sorted(row)}, allowed {allowed}")
+        raise CaseError(f"{path}: columns", sorted(row), allowed)
     return speed, abs(known["outlet_pressure"] - known["inlet_pressure"])
 
 

@@ -145,7 +145,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
     """
     study = case.study
     if not isinstance(study, HysteresisStudy):
-        raise CaseError('study.kind: found another study, allowed "hysteresis"')
+        raise CaseError("study.kind", "another study", '"hysteresis"')
     friction = housing_contact(study)
     points = replace(prepare(case, friction, "hysteresis"), rounds=study.coupling_rounds)
     conditions = tuple(
@@ -178,10 +178,10 @@ def read_positions(path: Path) -> tuple[Array, Array]:
     found = read_measured(path)
     if found.times is not None or set(found.channels) != {_POSITION}:
         allowed = f"{_PRESSURE} and {_POSITION}"
-        raise CaseError(f"{path}: columns: found {sorted(found.channels)}, allowed {allowed}")
+        raise CaseError(f"{path}: columns", sorted(found.channels), allowed)
     if any(set(row) != {_PRESSURE} for row in found.settings):
         keys = sorted(found.settings[0])
-        raise CaseError(f"{path}: columns: found {keys}, allowed {_PRESSURE} and {_POSITION}")
+        raise CaseError(f"{path}: columns", keys, f"{_PRESSURE} and {_POSITION}")
     pressure = [parse_quantity(str(row[_PRESSURE]), "bar") for row in found.settings]
     return np.array(pressure), found.channels[_POSITION] * 1e-6
 

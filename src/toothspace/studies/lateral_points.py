@@ -296,9 +296,7 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
     """
     if case.operating_point is None:
         allowed = "an [operating_point] that the study starts from"
-        raise CaseError(
-            f"operating_point: found none with study.kind = {kind!r}, allowed {allowed}"
-        )
+        raise CaseError("operating_point", f"none with study.kind = {kind!r}", allowed)
     require_floating_part(case)
     few = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
     run = api.prepare(replace(case, run=few)).worn().with_films()

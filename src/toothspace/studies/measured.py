@@ -93,10 +93,10 @@ def read_measured(path: Path) -> Measured:
     for cell in rows[0] if rows else []:
         match = _HEADER.fullmatch(cell)
         if match is None:
-            raise CaseError(f"{path}: columns: found {cell!r}, allowed 'name [unit]'")
+            raise CaseError(f"{path}: columns", f"{cell!r}", "'name [unit]'")
         head.append((match[1], match[2] or "1"))
     if len(rows) < 2:
-        raise CaseError(f"{path}: found no rows, allowed at least one")
+        raise CaseError(path, "no rows", "at least one")
     names = [name for name, _ in head]
     table = np.array(
         [[read_number(path, row, k, name) for k, name in enumerate(names)] for row in rows[1:]]
@@ -135,7 +135,7 @@ def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
             channels[name] = _in_unit_of_name(path, name, unit, table[:, k])
     if not channels:
         allowed = "columns of summary numbers, such as 'mean_flow_L_per_min [L/min]'"
-        raise CaseError(f"{path}: columns: found {[name for name, _ in head]}, allowed {allowed}")
+        raise CaseError(f"{path}: columns", [name for name, _ in head], allowed)
     return Measured(None, settings, channels)
 
 
@@ -144,7 +144,7 @@ def _units(path: Path, name: str) -> str:
     if found is None or found.dimensions != ("sample",):
         known = [v.name for v in VARIABLES.values() if v.dimensions == ("sample",)]
         allowed = ", ".join([*known, _DIFFERENCE])
-        raise CaseError(f"{path}: columns: found {name!r}, allowed {allowed}")
+        raise CaseError(f"{path}: columns", f"{name!r}", allowed)
     return found.units.replace("m3", "m^3")
 
 

@@ -9,7 +9,6 @@ from typing import final
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     Number,
     Table,
@@ -73,7 +72,7 @@ class NosePressureStudy(KeyTable):
         names = [one.name for one in self.conditions]
         twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
         if twice is not None:
-            raise KeyRuleError("conditions", f"{twice!r} twice", "a name of its own for each")
+            raise CaseError("conditions", f"{twice!r} twice", "a name of its own for each")
 
     def port_pressures(self, inlet: float) -> list[tuple[str, float, float]]:
         """Return keys of pressures with the inlet and outlet pressure that they ask for. [Pa]."""
@@ -131,13 +130,14 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     """
     study = case.study
     if not isinstance(study, NosePressureStudy):
-        raise CaseError('study.kind: found another study, allowed "nose_pressure"')
+        raise CaseError("study.kind", "another study", '"nose_pressure"')
     friction = housing_contact(study)
     points = replace(prepare(case, friction, "nose_pressure"), rounds=study.coupling_rounds)
     if points.balance.floating.nose.area <= 0.0:
         raise CaseError(
-            "study.kind: found 'nose_pressure' for a floating part without nose, allowed one with "
-            "a nose (area and center)"
+            "study.kind",
+            "'nose_pressure' for a floating part without nose",
+            "one with a nose (area and center)",
         )
     context, shared = context or StudyContext(), (study.start_gap, friction, study.coupling_rounds)
     every = [_conditions(case, one, study.nose_pressure_fractions) for one in study.conditions]

@@ -213,7 +213,7 @@ class _TriedPoints:
             if record.succeeded and missing:
                 allowed = ", ".join(record.numbers)
                 found = f"{missing[0]!r}, which is no result"
-                raise CaseError(f"{self.case.label}: study: found {found}, allowed {allowed}")
+                raise CaseError("study", found, allowed).in_file(self.case.label)
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

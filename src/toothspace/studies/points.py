@@ -50,7 +50,7 @@ def operating_point_of(case: Case) -> OperatingPoint:
     """
     if case.operating_point is None:
         found = "no [operating_point]"
-        raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+        raise CaseError("study.kind", found, "a steady case").in_file(str(case.source))
     return case.operating_point
 
 

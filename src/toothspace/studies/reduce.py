@@ -83,7 +83,7 @@ def reduce_films(
     for kind in wanted or ["none"]:
         if kind not in able:
             allowed = ", ".join(able) or "a machine with journal bearings"
-            raise CaseError(f"--film: found {kind!r}, allowed {allowed}")
+            raise CaseError("--film", f"{kind!r}", allowed)
     parts = []
     for k, kind in enumerate(wanted):
         own = part(progress, kind, k / len(wanted), (k + 1) / len(wanted))
@@ -134,7 +134,7 @@ def reduce_journals(run: Run, progress: Progress | None = None) -> xr.Dataset:
         mean = float(np.hypot(*force[places])) / journal.count
         if not mean > 0.0:
             allowed = "a pressure difference that loads its bearings"
-            raise CaseError(f"operating_point: found no load on {journal.body}, allowed {allowed}")
+            raise CaseError("operating_point", f"no load on {journal.body}", allowed)
         bearing = machine_bearing(journal, viscosity)
         loads.append([part * mean for part in LOAD_LEVELS])
         sweeps.append(
@@ -238,7 +238,7 @@ def reduce_lateral_films(
     case, balance = run.case, run.machine.lateral_balance
     assert balance is not None
     if case.operating_point is None:
-        raise CaseError("--film: found lateral films, allowed with an [operating_point]")
+        raise CaseError("--film", "lateral films", "with an [operating_point]")
     # the films of this machine are what is to be found
     bare = api.prepare(replace(case, run=replace(case.run, film_tables=None)))
     ready, at = bare.worn(progress).with_films(progress), run.condition

@@ -56,7 +56,7 @@ def run_study(
     kind = case.study_kind
     if not kind:
         allowed = "a table [study] with its kind"
-        raise CaseError(f"{case.label}: study: found nothing, allowed {allowed}")
+        raise CaseError("study", "nothing", allowed).in_file(case.label)
     case.check()
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)

@@ -11,13 +11,7 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.lines import characteristic_impedance
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import (
-    KeyRuleError,
-    KeyTable,
-    QuantityKey,
-    grid,
-    integer,
-)
+from toothspace.core.keys import KeyTable, QuantityKey, grid, integer
 from toothspace.core.types import Array
 from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import BLUE, GREEN, ORANGE, new_figure, styled
@@ -55,7 +49,7 @@ class SourceRippleStudy(KeyTable):
 
     def __post_init__(self) -> None:
         if len(set(self.line_length)) < 2:
-            raise KeyRuleError("line_length", f"{len(self.line_length)} length", "two or more")
+            raise CaseError("line_length", f"{len(self.line_length)} length", "two or more")
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:

@@ -84,9 +84,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pumps = {name: pump for name, pump in elements.items() if isinstance(pump, PumpMap)}
     if not pumps:
         found = "no [circuit] with a pump_map"
-        raise CaseError(
-            f"{case.source}: study.kind: found {found}, allowed a circuit with a supply"
-        )
+        raise CaseError("study.kind", found, "a circuit with a supply").in_file(str(case.source))
     name, pump = next(iter(pumps.items()))
     supply = history(pump, "speed", "rpm")
     speeds = study.plateau_speed or (float(supply[:, 1].max()),)

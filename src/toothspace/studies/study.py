@@ -136,7 +136,7 @@ class StudyResult:
         kinds = Counter(variable.dims for variable in self.data.data_vars.values() if variable.dims)
         if not kinds:
             allowed = "a study with points that are finished"
-            raise CaseError(f"study: found no numbers to list, allowed {allowed}")
+            raise CaseError("study", "no numbers to list", allowed)
         rows = kinds.most_common(1)[0][0]
         names = [name for name, one in self.data.data_vars.items() if one.dims == rows]
         frame: pd.DataFrame = self.data[names].to_dataframe()
@@ -237,5 +237,5 @@ class StudyFigures:
         """Return the figure of a name."""
         found = {one.name: one.figure for one in study_figures(self.kind, self.data)}
         if name not in found:
-            raise CaseError(f"figure: found {name!r}, allowed {suggestion(name, found) or 'none'}")
+            raise CaseError("figure", f"{name!r}", suggestion(name, found) or "none")
         return found[name]

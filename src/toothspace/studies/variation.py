@@ -92,11 +92,11 @@ def grid(axes: Sequence[Axis], label: str) -> list[tuple[Any, ...]]:
     for axis in axes:
         if not axis.values:
             allowed = "a list of values, or {from, to, count}, for a grid"
-            raise CaseError(f"{label}: study.vary.{axis.path}: found no count, allowed {allowed}")
+            raise CaseError(f"study.vary.{axis.path}", "no count", allowed).in_file(label)
     total = math.prod(len(axis.values) for axis in axes)
     if total > _LARGEST_GRID:
         found = f"a grid of {total} points"
-        raise CaseError(f"{label}: study.vary: found {found}, allowed at most {_LARGEST_GRID}")
+        raise CaseError("study.vary", found, f"at most {_LARGEST_GRID}").in_file(label)
     return list(product(*(axis.values for axis in axes)))
 
 
@@ -146,7 +146,7 @@ def _axis(path: str, given: Any, where: str) -> Axis:
     whole = _all_whole([given[name] for name in names])
     low, high = found.get("from", -math.inf), found.get("to", math.inf)
     if not low < high:
-        raise CaseError(f"{where}: found from = {low:g} and to = {high:g}, allowed from below to")
+        raise CaseError(where, f"from = {low:g} and to = {high:g}", "from below to")
     if "mean" in found:
         return _normal(path, unit, (low, high), (found["mean"], found["deviation"]), where)
     values: tuple[float, ...] = ()
@@ -163,7 +163,7 @@ def _normal(
     reach = _LARGEST_DEVIATION * deviation
     if deviation <= 0.0 or limits[0] - mean > reach or mean - limits[1] > reach:
         found = f"mean = {mean:g} and deviation = {deviation:g}"
-        raise CaseError(f"{where}: found {found}, allowed deviation > 0 and limits around the mean")
+        raise CaseError(where, found, "deviation > 0 and limits around the mean")
     return Axis(path, unit, (), *limits, mean, deviation)
 
 
@@ -176,10 +176,10 @@ def _numbers(given: Sequence[Any], where: str) -> tuple[list[Any], str]:
     if not any(is_quantity(value) for value in given):
         return list(given), ""
     if not all(is_quantity(value) for value in given):
-        raise CaseError(f"{where}: found {list(given)!r}, allowed values that all have a unit")
+        raise CaseError(where, f"{list(given)!r}", "values that all have a unit")
     pairs = [split_quantity(value) for value in given]
     unit = pairs[0][1]
     for value, (_, other) in zip(given, pairs, strict=True):
         if not compatible(other, unit):
-            raise CaseError(f"{where}: found {value!r}, allowed a value in {unit} or alike")
+            raise CaseError(where, f"{value!r}", f"a value in {unit} or alike")
     return [n if other == unit else from_si(to_si(n, other), unit) for n, other in pairs], unit

@@ -144,9 +144,7 @@ def _client(scheduler: str) -> Any:
         from distributed import Client
     except ImportError as error:
         found = "no package 'distributed'"
-        raise CaseError(
-            f'--scheduler: found {found}, allowed after pip install "toothspace[cluster]"'
-        ) from error
+        raise CaseError("--scheduler", found, 'after pip install "toothspace[cluster]"') from error
     # what it writes about a lost line is said once, by this program
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
@@ -155,7 +153,7 @@ def _client(scheduler: str) -> Any:
     except (OSError, ValueError) as error:
         found = f"{scheduler!r}, where no scheduler answers"
         allowed = "the address of a running Dask scheduler, as tcp://head-node:8786"
-        raise CaseError(f"--scheduler: found {found}, allowed {allowed}") from error
+        raise CaseError("--scheduler", found, allowed) from error
 
 
 def _checked(digest: str, function: Callable[[Any], Any], argument: Any) -> Any:

@@ -46,7 +46,7 @@ def selected(part: str) -> tuple[Claim, ...]:
     chosen = tuple(c for c in CLAIMS if part in c.key or part in c.source.key)
     if not chosen:
         known = ", ".join(claim.key for claim in CLAIMS)
-        raise CaseError(f"validate: found no claim {part!r}, allowed a part of {known}")
+        raise CaseError("validate", f"no claim {part!r}", f"a part of {known}")
     return chosen
 
 

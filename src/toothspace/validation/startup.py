@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -11,6 +12,7 @@ from toothspace.results.solution import Solution
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
+    ComparedValue,
     Effort,
     Evidence,
     ValidationSource,
@@ -25,15 +27,24 @@ SOURCE = ValidationSource(
     "A. Pawar, A. Vacca, M. Rigosi, Modelling and experimental validation of the dynamic startup "
     "behavior of external spur gear motor.",
     "Results are normalised. Supply pump, ramp, hose bore and modulus are not published and "
-    "assumed in cases/startup_fan_drive.toml.",
+    "assumed in cases/startup_fan_drive.toml; balanced area, groove and preload of the bushings "
+    "and the friction of the seal at rest are not published either and free.",
+)
+AIMS = ValidationSource(
+    "motor_startup_aims",
+    "Own aims for the start of the gear motor",
+    "No publication: what a start of this kind has to show in any program. Starting torque of gear "
+    "motors, 70 to 80 % of the ideal one: usual figure of makers and text books.",
 )
 
 PUBLISHED_RATIO = 4.0
 """Start-up pressure over the largest operational pressure, "almost 400 %". [-]"""
-
-
-START_ANGLE_SCATTER = 0.08
-"""Change of the breakaway pressure with the start angle, on either side of its mean. [-]"""
+PUBLISHED_MOMENT = 1.0
+"""Braking friction moment of Table 4. [N m]"""
+RIPPLE = 0.12
+"""Half of the ripple of the ideal torque over the start angle, over its mean. [-]"""
+RAMPS = 2.0, 5.0
+"""Durations in which the supply comes up. [s]"""
 
 
 def _cycle(case: str, effort: Effort, *more: str) -> Solution:
@@ -41,20 +52,18 @@ def _cycle(case: str, effort: Effort, *more: str) -> Solution:
     return solved(case, *(('circuit.duration="6 s"',) if effort == "short" else ()), *more)
 
 
-def _ratio(effort: Effort) -> Evidence:
-    solution = _cycle("startup_fan_drive", effort)
-    found = float(solution.summary().get("startup_pressure_ratio", np.nan))
-    name = "start-up over largest running pressure"
-    values = [close(name, found, PUBLISHED_RATIO, "-", rel=0.15)]
-    # the rubber of the hose may yield late, which is not published
-    for ratio in (2.0, 3.0) if effort == "full" else ():
-        rubber = f"circuit.line.wall_stiffening={ratio}"
-        found = float(
-            _cycle("startup_fan_drive", "short", rubber).summary()["startup_pressure_ratio"]
-        )
-        name = f"the same with a wall {ratio:g} times as stiff to fast changes"
-        values.append(within(name, found, "-", "for comparison: hose not published"))
-    return Evidence(tuple(values), _over_time(solution))
+def _ratio(case: str, effort: Effort) -> Evidence:
+    solution = _cycle(case, effort)
+    numbers, words = solution.summary(), "for comparison: swings after breakaway count as running"
+    settled, running = (
+        float(numbers.get(name, np.nan))
+        for name in ("startup_to_settled_ratio", "startup_pressure_ratio")
+    )
+    values = (
+        close("start-up over plateau pressure", settled, PUBLISHED_RATIO, "-", rel=0.15),
+        within("over the largest from 1 s after breakaway", running, "-", words),
+    )
+    return Evidence(values, _over_time(solution))
 
 
 def _over_time(solution: Solution) -> tuple[ComparedCurve, ...]:
@@ -71,17 +80,17 @@ def _ratio_over_speed(effort: Effort) -> Evidence:
     from toothspace.studies import StudyContext
     from toothspace.studies.startup import run
 
-    speeds = "200 rpm", "300 rpm", "500 rpm", "1000 rpm"
+    speeds = "100 rpm", "200 rpm", "300 rpm", "500 rpm", "1000 rpm"
     asked = speeds if effort == "full" else speeds[1:2]
     overrides = (f"study.plateau_speed={list(asked)}", "study.start_angle_count=3")
     data = run(shipped("startup_ratio", *overrides), StudyContext()).data
     plateau = data["plateau_speed"].values * 30.0 / np.pi
     rows = {
+        "start-up over plateau pressure": data["startup_to_settled_ratio"].values,
         "start-up over largest running pressure": data["startup_pressure_ratio"].values,
-        "start-up over settled pressure": data["startup_to_settled_ratio"].values,
     }
     ends = {"lowest over the start angle": np.min, "highest over the start angle": np.max}
-    best = float(np.max(rows["start-up over largest running pressure"]))
+    best = float(np.max(rows["start-up over plateau pressure"]))
     values = [close("largest ratio found", best, PUBLISHED_RATIO, "-", rel=0.15)]
     for name, row in rows.items():
         values += [
@@ -89,12 +98,6 @@ def _ratio_over_speed(effort: Effort) -> Evidence:
             for n, own in zip(plateau, row, strict=True)
             for text, pick in ends.items()
         ]
-    ideal = 2.0 * np.pi * 1.0 / 4.95e-6 / 1e5
-    pressures = data["breakaway_pressure_bar"].values
-    values += [
-        close(f"breakaway pressure, {text}", pick(pressures), ideal, "bar", rel=0.12)
-        for text, pick in ends.items()
-    ]
     axes = "plateau speed (rpm)", "ratio"
     curves = tuple(
         ComparedCurve(f"{name}, {text.partition(' ')[0]}", *axes, plateau, pick(row, axis=1))
@@ -105,10 +108,11 @@ def _ratio_over_speed(effort: Effort) -> Evidence:
 
 
 def _breakaway(effort: Effort) -> Evidence:
-    numbers = _cycle("startup_fan_drive", effort).summary()
+    numbers = _cycle("startup_complete", effort).summary()
     displacement = float(numbers["displacement_cm3_per_rev"]) * 1e-6
-    ideal, found = 2.0 * np.pi * 1.0 / displacement / 1e5, float(numbers["breakaway_pressure_bar"])
-    return Evidence((close("breakaway pressure", found, ideal, "bar", rel=0.12),))
+    found = float(numbers["breakaway_pressure_bar"]) * 1e5 * displacement / (2.0 * np.pi)
+    name = "moment of the pressures at breakaway, without load"
+    return Evidence((close(name, found, PUBLISHED_MOMENT, "N m", rel=RIPPLE),))
 
 
 def _stop(effort: Effort) -> Evidence:
@@ -122,14 +126,46 @@ def _stop(effort: Effort) -> Evidence:
     return Evidence(values, _over_time(solution))
 
 
-def _cold(effort: Effort) -> Evidence:
-    warm = _cycle("startup_fan_drive", effort, "machine.bearing_blocks.motion=free")
-    cold = _cycle("startup_cold", effort)
-    name = "startup_pressure_bar"
-    low, high = float(warm.summary()[name]), float(cold.summary()[name])
-    text, words = "start-up pressure cold over warm", "higher than with warm oil"
-    least = 1.0 + START_ANGLE_SCATTER
-    return Evidence((within(text, high / low, "-", words, least),), _over_time(cold))
+def _smooth(effort: Effort) -> Evidence:
+    """Stops of the shaft between breakaway and plateau, and the time outside the film tables."""
+    values, curves = list[ComparedValue](), list[ComparedCurve]()
+    for ramp in RAMPS if effort == "full" else RAMPS[:1]:
+        knots = [["0 s", "0 rpm"], ["1 s", "0 rpm"], [f"{1.0 + ramp} s", "300 rpm"]]
+        knots.append(["9 s", "300 rpm"])
+        solution = solved(
+            "startup_complete", f"circuit.supply.speed={knots}", 'circuit.duration="9 s"'
+        )
+        stops = sum(event.kind == "shaft_stopped" for event in solution.events)
+        turning = np.asarray(solution.data["shaft_speed"]) != 0.0
+        beyond = float(solution.data["lateral_load_beyond"].values[turning].mean())
+        name = f"stops after breakaway, supply up in {ramp:g} s"
+        values.append(within(name, stops, "-", "the shaft goes on once it turns", 0.0, 0.0))
+        name = f"share of turning outside the tables of the films, {ramp:g} s"
+        values.append(within(name, beyond, "-", "a start stays inside", 0.0, 0.01))
+        curves += _over_time(solution)
+    return Evidence(tuple(values), tuple(curves))
+
+
+def _against_load(effort: Effort) -> Evidence:
+    """Starting efficiency: load over the ideal torque of the breakaway pressure."""
+    values = []
+    for temperature in (20.0, 88.0) if effort == "full" else (88.0,):
+        solution = solved("startup_loaded", f'fluid.temperature="{temperature:g} degC"')
+        numbers = solution.summary()
+        displacement = float(numbers["displacement_cm3_per_rev"]) * 1e-6 / (2.0 * np.pi)
+        pressure = float(numbers["breakaway_pressure_bar"]) * 1e5
+        circuit = shipped("startup_loaded").circuit
+        assert circuit is not None
+        load = float(circuit.elements["torque"].torque[0][1])
+        name = f"starting efficiency at {pressure / 1e5:.0f} bar, {temperature:g} degC"
+        words = "0.70 to 0.80 of the ideal torque"
+        values.append(within(name, load / (pressure * displacement), "-", words, 0.70, 0.80))
+    return Evidence(tuple(values))
+
+
+SIGN_CONDITIONS = tuple(product((50.0, 150.0, 250.0), (500.0, 1500.0, 3000.0)))
+"""Pressure differences of Fig. 2.3 [bar] and shaft speeds [rpm]; the figure has no speeds in its
+text."""
 
 
 def _lateral_torque(_: Effort) -> Evidence:
@@ -140,17 +176,21 @@ def _lateral_torque(_: Effort) -> Evidence:
     forces = tables["lateral_force_share"].values
     extra = tables["lateral_extra_torque"].isel(lateral_moment_share=0)
     here = tables["lateral_condition_force"] / tables["lateral_force_unit"]
-    for rise, speed in product(here["lateral_pressure_difference"], here["lateral_shaft_speed"]):
-        at = {rise.name: rise, speed.name: speed}
-        torque = np.interp(float(here.sel(at)), forces, extra.sel(at).values)
-        name = f"extra torque at {float(rise) / 1e5:.0f} bar, {float(speed) * 30.0 / np.pi:.0f} rpm"
-        values.append(within(name, torque, "N m", "positive at all conditions", 0.0))
-    pressures = here["lateral_pressure_difference"].values / 1e5
-    found = np.reshape([value.ours for value in values], (pressures.size, -1))
+    found = np.zeros(len(SIGN_CONDITIONS))
+    for k, (rise, speed) in enumerate(SIGN_CONDITIONS):
+        at = {
+            "lateral_pressure_difference": rise * 1e5,
+            "lateral_shaft_speed": speed * np.pi / 30.0,
+        }
+        force, over = (one.sel(at, method="nearest") for one in (here, extra))
+        found[k] = np.interp(float(force), forces, over.values)
+        name = f"extra torque at {rise:.0f} bar, {speed:.0f} rpm"
+        values.append(within(name, found[k], "N m", "positive at all conditions", 0.0))
+    pressures, speeds = (np.unique(axis) for axis in np.array(SIGN_CONDITIONS).T)
     axes = "pressure difference (bar)", "extra torque (N m)"
     curves = tuple(
-        ComparedCurve(f"Extra torque at {speed * 30.0 / np.pi:.0f} rpm", *axes, pressures, row)
-        for speed, row in zip(here["lateral_shaft_speed"].values, found.T, strict=True)
+        ComparedCurve(f"Extra torque at {speed:.0f} rpm", *axes, pressures, row)
+        for speed, row in zip(speeds, found.reshape(pressures.size, -1).T, strict=True)
     )
     return Evidence(tuple(values), curves)
 
@@ -159,32 +199,40 @@ CLAIMS = (
     Claim(
         "startup_ratio",
         SOURCE,
-        "Section 4: start-up pressure (maximum reached) is almost "
-        "400 % of the largest operational pressure.",
+        'Section 4: "The simulation predicts the start-up pressure to be almost 400% of maximum '
+        'operational pressure during experimental cycle". Operational: on the plateau, when the '
+        "line has settled.",
+        "15 %: read from words. Faces in closed form, friction at rest of Table 4.",
+        partial(_ratio, "startup_fan_drive"),
+        3.0,
+    ),
+    Claim(
+        "startup_ratio_complete",
+        SOURCE,
+        "The same sentence, with tables of solved films beside the gears (equation 2.9) and the "
+        "friction at rest of all interfaces.",
         "15 %: read from words.",
-        _ratio,
+        partial(_ratio, "startup_complete"),
         3.0,
         reason=(
-            "Swings of the line after breakaway count as running pressure; the rubber "
-            "of the hose, which would damp them, is not published."
+            "Bushings balanced at 50 to 250 bar touch the gears at the 7 bar of the plateau; the "
+            "paper interpolates its table from 50 bar on (docs/validation/startup.md)."
         ),
     ),
     Claim(
         "startup_ratio_over_speed",
         SOURCE,
-        "The same for plateau speeds of the supply, which is not published, over the start angle.",
-        "15 %: read from words; 12 % of breakaway: ripple of the torque over the start angle.",
+        "The same sentence for plateau speeds of the supply, which is not published, over the "
+        "start angle.",
+        "15 %: read from words.",
         _ratio_over_speed,
-        3.0,
-        reason=(
-            "Swings of the line after breakaway count as running pressure; the rubber "
-            "of the hose, which would damp them, is not published."
-        ),
+        4.0,
     ),
     Claim(
         "startup_breakaway",
         SOURCE,
-        "Table 4: breakaway moment of 1 N m against the pressure torque at breakaway.",
+        "Table 4: braking friction moment 1 N m, here the sum of the interfaces at their boundary "
+        "levels.",
         "12 %: ripple of the torque over the start angle.",
         _breakaway,
         0.1,
@@ -192,39 +240,42 @@ CLAIMS = (
     Claim(
         "startup_cycle",
         SOURCE,
-        "Figs. 10 and 11: a cycle of 20 s from rest to rest.",
+        'Section 4: "simulations are carried out for only one period of 20 seconds [...] which '
+        'involves starting up and stopping of the motor" (Figs. 4.1 and 4.2).',
         "Curves are normalised, the supply is assumed: that the shaft turns and comes to rest is "
         "all that can be compared.",
         _stop,
         3.0,
     ),
     Claim(
-        "startup_cold",
-        SOURCE,
-        "Start with cold oil; the source gives none, the expectation is "
-        "a higher start-up pressure than with warm oil.",
-        "Sign, by more than the 5 % that the start angle alone makes (startup_ratio_over_speed).",
-        _cold,
-        4.0,
-        reason=(
-            "The moment that breaks away is given at one temperature, and friction by "
-            "Eq 2.7 falls as oil thickens."
-        ),
-    ),
-    Claim(
         "lateral_extra_torque",
         SOURCE,
-        "Section 2: the closed form of the lateral gap predicts too little torque; the solved "
-        "films add some at all conditions.",
-        "Sign alone, of the table of the motor whose balanced area is calibrated to the published "
-        "gaps of 5 to 12 um.",
+        'Section 2.3.2: "the analytical model described in [9] underpredicts friction losses at '
+        'lateral films for all operating conditions" (Fig. 2.3, 50, 150 and 250 bar).',
+        "Sign alone: the figure has no scale. The paper prints no gap; the balanced area is free.",
         _lateral_torque,
-        reason="Films thicker than the 8 um of the closed form shear less.",
+    ),
+    Claim(
+        "startup_smooth",
+        AIMS,
+        "A start with a supply that comes up in 2 and in 5 s does not jerk, and its films stay "
+        "inside their tables.",
+        "No stop of the shaft; 1 % of the time.",
+        _smooth,
+        3.0,
+    ),
+    Claim(
+        "startup_against_load",
+        AIMS,
+        "Starting efficiency against a load, cold and warm oil.",
+        "0.70 to 0.80.",
+        _against_load,
+        0.5,
     ),
     Claim(
         "startup_fig_10",
         SOURCE,
-        "Figs. 10 and 11: measured speed and pressure.",
+        "Figs. 4.1 and 4.2: measured speed and pressure.",
         "Normalised by an undisclosed value, supply not published: cannot be laid over.",
         None,
     ),

@@ -12,8 +12,8 @@ from toothspace.advice.trapping import Trapping, trapping_checks
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.parameter_tables import WearInParameters
 from toothspace.machines.external_gear.rules import enclosed_mesh
+from toothspace.model.description import RunningIn
 
 BAR = 1e5
 
@@ -22,9 +22,7 @@ def _pump(backlash: float, closing: float, opening: float, mode: str = "pump"):
     """12-tooth machine with offsets in mm and a condition of 200 bar, 1500 rpm."""
     casing = replace(
         egm12(mode).keys.casing,
-        wear_in=WearInParameters(
-            pressure=200 * BAR, shaft_speed=1500 * math.pi / 30, temperature=323.0
-        ),
+        wear_in=RunningIn(pressure=200 * BAR, shaft_speed=1500 * math.pi / 30, temperature=323.0),
     )
     grooves = ReliefGrooves(closing_side_offset=closing * 1e-3, opening_side_offset=opening * 1e-3)
     return assemble(egm12(mode, normal_backlash=backlash * 1e-3, grooves=grooves, casing=casing))

@@ -562,4 +562,4 @@ def test_rotors_that_their_clearance_consumes_are_refused(
     assert main(["geometry", case, "--set", "machine.rotors.eccentricity=0.25 um"]) == 2
     line = capsys.readouterr().err
     assert line.count("\n") == 1
-    assert "machine.rotors.tip_clearance: found 40 um, of which the half leaves nothing" in line
+    assert "machine.rotors.tip_clearance: found 20 um, of which the half leaves nothing" in line

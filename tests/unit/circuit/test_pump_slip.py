@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from toothspace.case.circuit import EfficiencyLine, PumpMap, RatedPoint
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError
 
 RPM = 2.0 * math.pi / 60.0
 RATED = RatedPoint(
@@ -40,10 +40,10 @@ def test_pump_that_loses_five_percent_has_a_coefficient_of_1e_8() -> None:
 
 def test_slip_is_given_once() -> None:
     assert _pump(slip_coefficient=2e-8).slip == 2e-8
-    with pytest.raises(KeyRuleError, match="rated_point"):
+    with pytest.raises(CaseError, match="rated_point"):
         _pump(slip_coefficient=2e-8, rated_point=RATED)
 
 
 def test_line_may_not_lose_more_than_the_rated_point() -> None:
-    with pytest.raises(KeyRuleError, match="leaves"):
+    with pytest.raises(CaseError, match="leaves"):
         _pump(rated_point=RATED, volumetric_efficiency=EfficiencyLine(offset=0.9))

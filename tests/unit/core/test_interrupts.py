@@ -21,7 +21,6 @@ from toothspace import api
 from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import KeyRuleError
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import GasModel, fluid_law
@@ -194,7 +193,7 @@ def test_tables_of_a_machine_are_kept_between_points(monkeypatch: pytest.MonkeyP
 
 
 def test_a_case_that_fails_is_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
-    answers: list[Any] = [KeyRuleError("key", "this", "that"), FloatingPointError("lost"), "fine"]
+    answers: list[Any] = [CaseError("key", "this", "that"), FloatingPointError("lost"), "fine"]
 
     def simulate(_case: Any) -> Any:
         answer = answers.pop(0)

@@ -5,21 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.active_set import DeformedGap, linearised_balance
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, RoughSurfaces
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, flow_law
 from toothspace.numerics.structured_grid import FREE
 
 ROWS, LANES = 6, 4
 COMPLIANCE = 4e-13  # m/Pa: 100 bar open the gap by four micrometres
-ROUGH = RoughSurfaces(
-    moving_roughness=0.4e-6,
-    resting_roughness=0.4e-6,
-    correlation_length=20e-6,
-    effective_modulus=1e11,
-    hardness=2e9,
-    boundary_friction=0.1,
-).flow_law(1.0)
+ROUGH = flow_law(
+    RoughSurfaces(
+        moving_roughness=0.4e-6,
+        resting_roughness=0.4e-6,
+        correlation_length=20e-6,
+        effective_modulus=1e11,
+        hardness=2e9,
+        boundary_friction=0.1,
+    ),
+    1.0,
+)
 
 
 def grid(speed: float) -> FilmGrid:

@@ -11,10 +11,11 @@ import pytest
 import xarray as xr
 
 from toothspace.api import solve_bearing, solve_film
-from toothspace.case import Case
+from toothspace.case import Case, JournalBearingCase
 from toothspace.cli import main
 from toothspace.core.errors import CaseError
 from toothspace.films import (
+    Groove,
     JournalBearing,
     RoughSurfaces,
     critical_mass,
@@ -254,3 +255,20 @@ def test_fields_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert (tmp_path / "film.vts").read_text().startswith("<?xml")
     assert main(["bearing", str(case), "-o", str(tmp_path / "film.csv")]) == 2
     assert "-o: found the ending '.csv', allowed .nc, .vts" in capsys.readouterr().err
+
+
+def test_bounds_hold_where_a_case_takes_an_object() -> None:
+    """A solver makes itself a groove without width; a case refuses it however it comes."""
+    line = Groove(0.0, 0.0, 0.02, 1e5)
+    assert line.width == 0.0
+    for groove in (line, {"angle": "0 deg", "width": "0 deg", "length": "20 mm", "pressure": 1e5}):
+        keys = {"diameter": 0.04, "length": 0.03, "radial_clearance": 3e-5, "shaft_speed": 100.0}
+        with pytest.raises(CaseError, match=r"grooves\[0\]\.width: found"):
+            JournalBearingCase(**keys, eccentricity=(0.5, 0.0), grooves=(groove,))
+
+
+def test_an_object_of_a_case_may_hold_texts_with_units() -> None:
+    keys = {"diameter": 0.04, "length": 0.03, "radial_clearance": 3e-5, "shaft_speed": 100.0}
+    groove = Groove("90 deg", "15 deg", "20 mm", "2 bar")  # type: ignore[arg-type]
+    case = JournalBearingCase(**keys, eccentricity=(0.5, 0.0), grooves=(groove,))
+    assert case.grooves == (Groove(0.5 * np.pi, np.pi / 12.0, 0.02, 2e5),)

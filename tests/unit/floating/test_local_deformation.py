@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
+from toothspace.films.reynolds.rough_surfaces import contact_field, contact_table
 from toothspace.floating.local_deformation import LocalCompliance, settle_gap
 from toothspace.numerics.linear_system import SATURATED
 
@@ -24,7 +25,7 @@ def _walls() -> LocalCompliance:
         effective_modulus=1.5e11,
         hardness=1e9,
     )
-    return LocalCompliance(COMPLIANCE, 0.0, surfaces.contact_table(), surfaces.roughness)
+    return LocalCompliance(COMPLIANCE, 0.0, contact_table(surfaces), surfaces.roughness)
 
 
 def _settled(rigid: Array, former: float) -> tuple[Array, Array]:

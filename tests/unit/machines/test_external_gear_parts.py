@@ -19,8 +19,7 @@ from tests.external_gear_designs import (
     unequal,
 )
 from toothspace.api import describe, load_case
-from toothspace.core.errors import GeometryError
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.gearing.closest_points import Placement, project
 from toothspace.gearing.gear_face import tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
@@ -38,8 +37,7 @@ from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.flow_paths import bore_cover
-from toothspace.machines.external_gear.parameter_tables import WearInParameters
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import MachineDescription, RunningIn
 
 REFERENCE_MOTOR = Path(__file__).parents[3] / "cases" / "egm12_motor.toml"
 
@@ -207,7 +205,7 @@ def test_trapped_volume_is_never_closed_nor_short_circuited(pump: MachineDescrip
 def test_drain_and_running_in_follow_mode_and_casing() -> None:
     assert MACHINE.describe(egm12("pump"), nodes=72).drain == "inlet"
     assert MACHINE.describe(egm12("motor"), nodes=72).drain == "outlet"
-    wear = WearInParameters(pressure=260e5, shaft_speed=157.1, temperature=323.15)
+    wear = RunningIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
     spec = egm12("pump")
     worn = changed(spec, casing=replace(spec.keys.casing, wear_in=wear))
     running_in = MACHINE.describe(worn, nodes=72).running_in
@@ -280,7 +278,7 @@ def test_overlapping_profiles_are_refused() -> None:
 
 
 def test_distance_or_backlash_is_needed() -> None:
-    with pytest.raises(KeyRuleError, match="unless normal_backlash is given"):
+    with pytest.raises(CaseError, match="unless normal_backlash is given"):
         egm12("pump", normal_backlash=None)
 
 

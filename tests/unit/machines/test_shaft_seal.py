@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import KeyRuleError
 from toothspace.machines.external_gear.parameter_tables import SealParameters
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 
@@ -36,7 +35,7 @@ def test_number_without_a_table() -> None:
 def test_outside_the_table_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
     path.write_text(TABLE, encoding="utf-8")
-    with pytest.raises(KeyRuleError, match=r"seals\.temperature"):
+    with pytest.raises(CaseError, match=r"seals\.temperature"):
         seal_torque(seals(path, 120.0, 0.3e-3), 18e-3)
 
 

@@ -130,7 +130,7 @@ class JournalBearing(JournalDefinition):
         """
         for name, pair in (("eccentricity", eccentricity), ("velocity", velocity), ("tilt", tilt)):
             if np.shape(pair) != (2,):
-                raise CaseError(f"bearing.{name}: found {pair!r}, allowed two numbers, x and y")
+                raise CaseError(f"bearing.{name}", f"{pair!r}", "two numbers, x and y")
         place = np.array([*(self.radial_clearance * np.asarray(eccentricity, float)), *tilt])
         motion = MotionState(place, np.array([*velocity, *tilt_rate], dtype=float))
         speed = SurfaceSpeed(shaft_speed, bush_speed)

@@ -9,10 +9,9 @@ import numpy as np
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
-from toothspace.films.journal.geometry import Groove, Lobes
+from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.numerics.banded import check_grid
 
 _CHOICES = {
@@ -49,19 +48,20 @@ class JournalDefinition:
         for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
             value = getattr(self, key)
             if not (isinstance(value, Real) and float(value) > 0.0):
-                raise CaseError(f"bearing.{key}: found {value!r}, allowed are positive SI numbers")
+                raise CaseError(f"bearing.{key}", f"{value!r}", "are positive SI numbers")
         for key, allowed in _CHOICES.items():
             value = getattr(self, key)
             if value not in allowed:
-                raise CaseError(f"bearing.{key}: found {value!r}, allowed are {sorted(allowed)}")
+                raise CaseError(f"bearing.{key}", f"{value!r}", f"are {sorted(allowed)}")
         for groove in self.grooves:
             if abs(groove.position) >= 0.5 * (self.length + groove.length):
                 raise CaseError(
-                    f"bearing.grooves.position: found {1e3 * groove.position:g} mm, allowed are "
-                    f"grooves on the bearing of {1e3 * self.length:g} mm"
+                    "bearing.grooves.position",
+                    f"{1000.0 * groove.position:g} mm",
+                    f"are grooves on the bearing of {1000.0 * self.length:g} mm",
                 )
         if np.shape(self.grid) != (2,) or min(self.grid) < 4:
-            raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
+            raise CaseError("bearing.grid", f"{self.grid!r}", "are 4 cells or more")
         check_grid("bearing.grid", self.grid)
         object.__setattr__(self, "grooves", tuple(self.grooves))
 

@@ -17,69 +17,10 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.compiled import njit
-from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.definitions import Groove, Lobes
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.rough_surfaces import FlowLaw, pressure_stress, stress_factors
-
-
-@final
-@dataclass(frozen=True)
-class Lobes:
-    """Bore of equal circular lobes that are moved towards the middle; two make an ellipse.
-
-    Parameters
-    ----------
-    count : int
-        Number of lobes. [-]
-    preload : float
-        Displacement of the lobes over the radial clearance of their own circle, below 1. [-]
-    angle : float
-        Middle of the first lobe, from x towards y. [rad]
-    """
-
-    count: int
-    preload: float
-    angle: float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.count < 1 or not 0.0 <= self.preload < 1.0:
-            raise CaseError(
-                f"bearing.lobes: found {self.count} lobes of preload {self.preload!r}, allowed are "
-                "1 lobe or more and preloads from 0 to below 1"
-            )
-
-    def narrowing(self, angle: Array) -> Array:
-        """Loss of gap height over the radial clearance at angles. [-]."""
-        pitch = 2.0 * np.pi / self.count
-        away = np.mod(angle - self.angle + 0.5 * pitch, pitch) - 0.5 * pitch
-        return np.asarray(self.preload * np.cos(away))
-
-
-@final
-@dataclass(frozen=True)
-class Groove:
-    """Supply groove or pocket of the bush at a given pressure.
-
-    Parameters
-    ----------
-    angle : float
-        Position of its centre, from x towards y. [rad]
-    width : float
-        Angle that it spans. [rad]
-    length : float
-        Axial length. [m]
-    pressure : float
-        Absolute pressure in the groove. [Pa]
-    position : float
-        Axial position of its centre, from the middle of the bush. [m]
-    """
-
-    angle: float
-    width: float
-    length: float
-    pressure: float
-    position: float = 0.0
 
 
 class JournalMesh(NamedTuple):

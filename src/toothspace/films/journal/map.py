@@ -17,8 +17,8 @@ from scipy.interpolate import RectBivariateSpline
 from toothspace.closures.bearing_map import build_journal_map
 from toothspace.closures.journal_friction import journal_pressure_torque, journal_shear_torque
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.journal.bearing import JournalBearing
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import SolvedJournal
 
 _GRID = (120, 17)

@@ -18,8 +18,8 @@ from toothspace.closures.journal_friction import (
     sommerfeld_number,
 )
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.journal.bearing import JournalBearing
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import LumpedJournalBearing
 
 

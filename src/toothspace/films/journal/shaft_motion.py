@@ -84,8 +84,9 @@ def threshold_speed(
     low, high = margin(speeds[0]), margin(speeds[1])
     if low * high > 0.0:
         raise CaseError(
-            f"speeds: found mass over critical mass {low + 1.0:.3g} and {high + 1.0:.3g}, "
-            "allowed are speeds on both sides of 1"
+            "speeds",
+            f"mass over critical mass {low + 1.0:.3g} and {high + 1.0:.3g}",
+            "are speeds on both sides of 1",
         )
     return float(brentq(margin, speeds[0], speeds[1], rtol=1e-6))
 

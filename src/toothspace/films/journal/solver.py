@@ -10,10 +10,10 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
+from toothspace.films.definitions import Groove
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.geometry import (
     EndConditions,
-    Groove,
     JournalMesh,
     MotionState,
     SurfaceSpeed,
@@ -26,7 +26,13 @@ from toothspace.films.journal.geometry import (
 )
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
+from toothspace.films.reynolds.rough_surfaces import (
+    SMOOTH,
+    FlowLaw,
+    contact_field,
+    contact_table,
+    flow_law,
+)
 from toothspace.films.reynolds.state import FilmHistory, FilmProblem, FilmState, solve_state
 from toothspace.numerics.linear_system import PRESCRIBED
 
@@ -78,8 +84,10 @@ def _supplied(
         closed = bearing.end_condition == "no_flow" and not bearing.grooves
         if moves and closed and not remembered:
             raise CaseError(
-                "bearing.supply: found 'none' between walls and without grooves, allowed is a "
-                "supply line, a groove or open ends: the liquid in a closed film is not determined"
+                "bearing.supply",
+                "'none' between walls and without grooves",
+                "is a supply line, a groove or open ends: the liquid in a closed film is not "
+                "determined",
             )
         return bearing.grooves, 0.0
     place = motion.place
@@ -136,8 +144,8 @@ def _walls(
     if surfaces is None:
         return SMOOTH, None
     total = speed.shaft + speed.bush
-    law = surfaces.flow_law((speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
-    pressure, slope = contact_field(gap.centre, surfaces.roughness, surfaces.contact_table())
+    law = flow_law(surfaces, (speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
+    pressure, slope = contact_field(gap.centre, surfaces.roughness, contact_table(surfaces))
     return law, JournalContact(pressure, slope)
 
 
@@ -146,8 +154,9 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefiniti
     if lowest <= 0.0:
         ratio = float(np.hypot(*motion.place[:2])) / bearing.radial_clearance
         raise CaseError(
-            f"bearing.eccentricity: found a smallest gap of {lowest:.3g} m at an eccentricity "
-            f"ratio of {ratio:.4g}, allowed are positions without contact"
+            "bearing.eccentricity",
+            f"a smallest gap of {lowest:.3g} m at an eccentricity ratio of {ratio:.4g}",
+            "are positions without contact",
         )
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
+from toothspace.films.reynolds.rough_surfaces import contact_field, contact_table
 from toothspace.films.reynolds.state import FilmHistory, FilmProblem, FilmState, solve_state
 from toothspace.numerics.linear_system import PRESCRIBED
 
@@ -170,7 +171,7 @@ class FaceSolution:
         if surfaces is None:
             return np.zeros_like(film.gap.centre), np.zeros_like(film.gap.centre)
         height = film.gap.centre + film.gap.step
-        values = contact_field(height, surfaces.roughness, surfaces.contact_table())
+        values = contact_field(height, surfaces.roughness, contact_table(surfaces))
         given = film.grid.mark == PRESCRIBED
         return np.where(given, 0.0, values[0]), np.where(given, 0.0, values[1])
 
@@ -208,7 +209,7 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
     """
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
     if lowest <= 0.0 and film.law.roughness == 0.0:
-        raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
+        raise CaseError("film", f"a smallest gap of {lowest:.3g} m", "are open gaps")
     return PlaneSolution(**vars(solve_state(film, history=history)))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
@@ -22,7 +23,7 @@ from toothspace.films.plane.film import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, wall_stress
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, flow_law, wall_stress
 from toothspace.films.reynolds.state import FilmHistory
 from toothspace.numerics.banded import check_grid
 
@@ -106,19 +107,19 @@ class Pad:
 
     def __post_init__(self) -> None:
         if self.cavitation not in CAVITATION:
-            raise CaseError(
-                f"film.cavitation: found {self.cavitation!r}, allowed are {sorted(CAVITATION)}"
-            )
+            raise CaseError("film.cavitation", f"{self.cavitation!r}", f"are {sorted(CAVITATION)}")
         check_grid("film.grid", self.grid)
         if self.pocket is not None and self.pocket.start >= self.length:
             raise CaseError(
-                f"film.pocket.x: found {1e3 * self.pocket.start:g} mm, allowed are pockets that "
-                f"begin on the pad, below {1e3 * self.length:g} mm"
+                "film.pocket.x",
+                f"{1000.0 * self.pocket.start:g} mm",
+                f"are pockets that begin on the pad, below {1000.0 * self.length:g} mm",
             )
         if self.ambient_pressure < self.cavitation_pressure:
             raise CaseError(
-                f"film.ambient_pressure: found {self.ambient_pressure!r} Pa, allowed are values "
-                f"from the cavitation pressure {self.cavitation_pressure!r} Pa"
+                "film.ambient_pressure",
+                f"{self.ambient_pressure!r} Pa",
+                f"are values from the cavitation pressure {self.cavitation_pressure!r} Pa",
             )
 
     def solve(
@@ -154,7 +155,7 @@ class Pad:
         points = cartesian_points(x, x_face, y, y_face)
         weight = 2.0 if half else 1.0
         constraint = CAVITATION[self.cavitation]
-        law = SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0)
+        law = SMOOTH if self.surfaces is None else flow_law(self.surfaces, 1.0)
         problem = grid, gap, self.fluid, self.cavitation_pressure, constraint, law
         return PlaneFilm(*problem, points=points, weight=weight)
 

@@ -10,9 +10,9 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, FilmFace
 from toothspace.model.lateral_load import chamber_pressures
@@ -102,7 +102,7 @@ def solve_faces(
     """
     known = {film.body: film.face for film in description.laterals if film.face is not None}
     if not known:
-        raise CaseError("film.kind: found 'lateral', allowed is 'pad' for this machine type")
+        raise CaseError("film.kind", "'lateral'", "is 'pad' for this machine type")
     pressure = chamber_pressures(description, condition)(setting.shaft_angle)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
     found = [

@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
@@ -23,7 +24,7 @@ from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import (
     SMOOTH,
-    RoughSurfaces,
+    flow_law,
     refuse_deep_contact,
     wall_stress,
 )
@@ -89,14 +90,15 @@ class LateralFilm:
     def __post_init__(self) -> None:
         if not 0.0 <= self.inner_radius < self.outer_radius:
             raise CaseError(
-                f"film.inner_radius: found {self.inner_radius!r} m, allowed are values from 0 to "
-                f"below the outer radius {self.outer_radius!r} m"
+                "film.inner_radius",
+                f"{self.inner_radius!r} m",
+                f"are values from 0 to below the outer radius {self.outer_radius!r} m",
             )
         check_grid("film.grid", self.grid)
         for key in ("given_pressure", "depth"):
             values = getattr(self, key)
             if values is not None and values.shape != self.grid:
-                raise CaseError(f"film.{key}: found shape {values.shape}, allowed is {self.grid}")
+                raise CaseError(f"film.{key}", f"shape {values.shape}", f"is {self.grid}")
 
     @property
     def angle(self) -> Array:
@@ -160,7 +162,7 @@ class LateralFilm:
             self.fluid,
             self.cavitation_pressure,
             CAVITATION[self.cavitation],
-            SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+            SMOOTH if self.surfaces is None else flow_law(self.surfaces, 1.0),
             points=polar_points(angle, face_angle, radius, rim),
         )
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
-from typing import NamedTuple, final
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +25,7 @@ from toothspace.closures.flow_factors import (
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
 
 SMALLEST_FLOW_GAP = 0.1
 """Gap over roughness below which the conductance is not reduced further (percolation). [-]"""
@@ -218,84 +217,6 @@ def contact_field(gap: Array, roughness: float, table: ContactTable) -> tuple[Ar
     return pressure, slope
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class RoughSurfaces:
-    """Roughness and contact of the two walls of a film.
-
-    Parameters
-    ----------
-    moving_roughness, resting_roughness : float
-        Root mean square roughness of the walls. [m]
-    moving_pattern, resting_pattern : float
-        Correlation length along over across the motion. [-]
-    correlation_length : float
-        Half-height correlation length of the combined surface. [m]
-    effective_modulus : float
-        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
-    hardness : float
-        Hardness of the softer wall. [Pa]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
-    contact_law : {"elastic_plastic", "greenwood_tripp", "kogut_etsion", "table", "none"}
-        Law of the asperity pressure.
-    asperity_product, roughness_over_radius : float
-        Parameters of Greenwood and Tripp. [-]
-    contact_points : tuple of (float, float)
-        User's table of gap ratio and asperity pressure, for ``table``; its ends are carried on
-        along the logarithm of the pressure, downwards, and without contact, upwards. [-, Pa]
-    """
-
-    moving_roughness: float
-    resting_roughness: float
-    moving_pattern: float = 1.0
-    resting_pattern: float = 1.0
-    correlation_length: float = 15e-6
-    effective_modulus: float = 1.55e11
-    hardness: float = 1e9
-    boundary_friction: float = 0.1
-    contact_law: str = "elastic_plastic"
-    asperity_product: float = 0.04
-    roughness_over_radius: float = 1e-3
-    contact_points: tuple[tuple[float, float], ...] = ()
-
-    def __post_init__(self) -> None:
-        if not self.roughness > 0.0:
-            raise CaseError("roughness: found two smooth walls, allowed is one rough wall or more")
-        if self.contact_law not in _LAWS:
-            raise CaseError(f"contact_law: found {self.contact_law!r}, allowed are {sorted(_LAWS)}")
-        if self.contact_law == "table":
-            _check_table(self.contact_points)
-
-    @property
-    def roughness(self) -> float:
-        """Combined roughness. [m]."""
-        return math.hypot(self.moving_roughness, self.resting_roughness)
-
-    def flow_law(self, slide_ratio: float) -> FlowLaw:
-        """Average flow for a ratio of sliding over sum speed.
-
-        The pattern of the pressure flow is that of the walls weighted with their variances.
-        """
-        return _flow_law(self, slide_ratio)
-
-    def contact_table(self) -> ContactTable:
-        """Table of the asperity pressure."""
-        return _contact_table(self)
-
-
-def _check_table(points: tuple[tuple[float, float], ...]) -> None:
-    """Refuse tables that are no falling, positive pressure over a growing gap."""
-    ratios, pressures = ([point[k] for point in points] for k in range(2))
-    growing = all(b > a for a, b in pairwise(ratios))
-    falling = all(0.0 < b <= a for a, b in pairwise(pressures))
-    if len(points) < 2 or not growing or not falling:
-        raise CaseError(
-            f"contact_points: found {len(points)} points, allowed are two or more with a growing "
-            "gap ratio and a positive, falling pressure"
-        )
-
-
 def refuse_deep_contact(gap: Array, surfaces: RoughSurfaces | None, place: str) -> None:
     """Refuse walls that a given position presses into each other beyond any law of contact."""
     if surfaces is None:
@@ -303,13 +224,18 @@ def refuse_deep_contact(gap: Array, surfaces: RoughSurfaces | None, place: str) 
     lowest, allowed = float(gap.min()), -DEEPEST * surfaces.roughness
     if lowest < allowed:
         raise CaseError(
-            f"{place}: found a smallest gap of {1e6 * lowest:.3g} um, allowed between these rough "
-            f"walls are gaps from {1e6 * allowed:.3g} um"
+            place,
+            f"a smallest gap of {1e6 * lowest:.3g} um",
+            f"between these rough walls are gaps from {1e6 * allowed:.3g} um",
         )
 
 
 @lru_cache(maxsize=64)
-def _flow_law(surfaces: RoughSurfaces, slide_ratio: float) -> FlowLaw:
+def flow_law(surfaces: RoughSurfaces, slide_ratio: float) -> FlowLaw:
+    """Average flow for a ratio of sliding over sum speed.
+
+    The pattern of the pressure flow is that of the walls weighted with their variances.
+    """
     share = (surfaces.moving_roughness / surfaces.roughness) ** 2
     logarithm = share * math.log(surfaces.moving_pattern)
     logarithm += (1.0 - share) * math.log(surfaces.resting_pattern)
@@ -381,7 +307,8 @@ _LAWS: dict[str, Callable[[RoughSurfaces, float], float] | None] = {
 
 
 @lru_cache(maxsize=32)
-def _contact_table(surfaces: RoughSurfaces) -> ContactTable:
+def contact_table(surfaces: RoughSurfaces) -> ContactTable:
+    """Table of the asperity pressure."""
     law = _LAWS[surfaces.contact_law]
     if law is None:
         return NO_CONTACT

@@ -249,8 +249,9 @@ def _memory(
     height = mean_gap(film.gap.centre, film.law) + film.gap.step
     if history.content.shape != height.shape:
         raise CaseError(
-            f"history: found {history.content.shape} cells, allowed are {height.shape}: keep the "
-            "grid, and the tilt zero or not zero"
+            "history",
+            f"{history.content.shape} cells",
+            f"are {height.shape}: keep the grid, and the tilt zero or not zero",
         )
     rate = film.grid.area / history.time_step
     gained = history.content * rate

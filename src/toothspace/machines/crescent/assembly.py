@@ -13,7 +13,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.errors import GeometryError
+from toothspace.core.errors import GeometryError, Problem
 from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
@@ -89,8 +89,7 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
     """
     if (spec.pinion.profile is None) != (spec.ring.profile is None):
         raise GeometryError(
-            "machine.ring.profile: found a profile file of one gear, allowed files of both gears "
-            "or of none"
+            "machine.ring.profile", "a profile file of one gear", "files of both gears or of none"
         )
     if spec.pinion.profile is None or spec.ring.profile is None:
         pair = involute_pair(spec)
@@ -111,20 +110,22 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
     notch, width = spec.filler.notch, spec.pinion.face_width
     if notch is not None and notch.width > width:
         raise GeometryError(
-            f"machine.filler.notch.width: found {notch.width * 1e3:g} mm, allowed at most the face "
-            f"width of {width * 1e3:g} mm"
+            "machine.filler.notch.width",
+            f"{notch.width * 1e3:g} mm",
+            f"at most the face width of {width * 1e3:g} mm",
         )
     loaded_is_left, grooves = spec.mode == "pump", spec.relief_grooves
     first, second = teeth[0].tip_radius, -teeth[1].tip_radius
     if not second - first < distance < first + second:
         raise GeometryError(
-            f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
-            f"{(second - first) * 1e3:.5g} mm (the tip circles must overlap)"
+            "machine.pinion.center_distance",
+            f"{distance * 1e3:.5g} mm",
+            f"above {(second - first) * 1e3:.5g} mm (the tip circles must overlap)",
         )
     try:
         mesh = in_contact(teeth, mesh_at_distance(teeth, -distance), loaded_is_left)
     except GeometryError as error:
-        raise GeometryError(f"machine.pinion: {error}") from error
+        raise error.read_for("machine.pinion") from error
     return CrescentAssembly(
         teeth=teeth,
         root_radii=(pinion.root_radius, -root),
@@ -166,26 +167,31 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
         )
         teeth = RingGear(spaces, 0.5 * ring.tip_diameter)
     except GeometryError as error:
-        # the tooth of the space, in the keys of the ring
-        message = str(error)
-        if message.startswith("tip_rounding"):
-            message = message.replace("tip_rounding", "root_fillet", 1)
-        elif message.startswith("tip_diameter") and "end of the involute" not in message:
-            message = message.replace("tip_diameter", "root_diameter", 1).replace("tooth", "space")
-        raise GeometryError(f"machine.ring.{message}") from error
+        raise error.changed(_in_keys_of_ring).under("machine.ring") from error
     try:
         pair = pair_from_backlash(gear, teeth, pinion.normal_backlash or 0.0)
     except GeometryError as error:
-        raise GeometryError(f"machine.{error}") from error
+        raise error.under("machine") from error
     distance, least = pinion.center_distance, pair.base_difference
     if distance is None:
         return pair
     if not least < distance <= pair.center_distance:
         raise GeometryError(
-            f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
-            f"{least * 1e3:.5g} mm up to {pair.center_distance * 1e3:.6g} mm (no backlash)"
+            "machine.pinion.center_distance",
+            f"{distance * 1e3:.5g} mm",
+            f"above {least * 1e3:.5g} mm up to {pair.center_distance * 1e3:.6g} mm (no backlash)",
         )
     return InternalPair(gear, teeth, distance)
+
+
+def _in_keys_of_ring(problem: Problem) -> Problem:
+    """Problem of the tooth that fills a space, in the keys of the ring."""
+    if problem.key == "tip_rounding":
+        return problem._replace(key="root_fillet")
+    if problem.key != "tip_diameter" or "end of the involute" in problem.allowed:
+        return problem
+    found, allowed = (text.replace("tooth", "space") for text in (problem.found, problem.allowed))
+    return problem._replace(key="root_diameter", found=found, allowed=allowed)
 
 
 def _curve_profile(
@@ -206,4 +212,4 @@ def _detected(
             curve = load_closed_curves(file, unit)[0]
             return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
     except GeometryError as error:
-        raise GeometryError(f"{key}: {error}") from error
+        raise error.read_for(key) from error

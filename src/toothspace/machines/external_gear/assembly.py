@@ -151,8 +151,9 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
     reach = drive.tip_radius + driven.tip_radius
     if not abs(drive.tip_radius - driven.tip_radius) < distance < reach:
         raise GeometryError(
-            f"machine.gears.center_distance: found {distance * 1e3:.5g} mm, allowed below "
-            f"{reach * 1e3:.5g} mm (the tip circles must overlap)"
+            "machine.gears.center_distance",
+            f"{distance * 1e3:.5g} mm",
+            f"below {reach * 1e3:.5g} mm (the tip circles must overlap)",
         )
     return meshing.mesh_at_distance(teeth, distance)
 
@@ -167,8 +168,10 @@ def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> N
     play = normal_play(profiles, distance)
     if room < -meshing.LARGEST_OVERLAP and room <= play:
         raise GeometryError(
-            f"machine.gears.center_distance: found {distance * 1e3:.5g} mm: the mating tip reaches "
-            f"{-room * 1e3:.4g} mm into the {gear} gear's root, allowed a positive root clearance"
+            "machine.gears.center_distance",
+            f"{distance * 1e3:.5g} mm: the mating tip reaches {-room * 1e3:.4g} mm into the "
+            f"{gear} gear's root",
+            "a positive root clearance",
         )
     if play < -_DEEP_OVERLAP:
         raise meshing.overlap_error(distance, -play)

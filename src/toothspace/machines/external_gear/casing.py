@@ -62,9 +62,10 @@ def bore(assembly: Assembly, gear: int) -> Bore:
     limit = _SEALING_CLEARANCES * casing.radial_clearance
     if clearance.min() <= 0.0 or clearance[_RAYS // 2] > limit:
         raise GeometryError(
-            f"machine.casing.contour: found {clearance.min() * 1e6:.4g} um from the tip circle and "
-            f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh, allowed above 0 um and "
-            f"up to {limit * 1e6:.4g} um"
+            "machine.casing.contour",
+            f"{clearance.min() * 1e6:.4g} um from the tip circle and "
+            f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh",
+            f"above 0 um and up to {limit * 1e6:.4g} um",
         )
     edges = _edge_places(assembly, gear, contour, limit)
     before = edges[edges < np.pi].max(initial=0.0)

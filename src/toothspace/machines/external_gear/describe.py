@@ -11,15 +11,15 @@ from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.machines.external_gear import loads
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
+from toothspace.machines.external_gear.gear_faces import lateral_films
 from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.rules import design_checks
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription, RunningIn
+from toothspace.model.description import MachineDescription
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -35,7 +35,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     GeometryError
         If the gears cannot be built or put into mesh.
     """
-    assembly, keys, wear = assemble(spec), spec.keys, spec.keys.casing.wear_in
+    assembly, keys = assemble(spec), spec.keys
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
@@ -55,7 +55,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     balance = None
     if spec.floating_block is not None:
         # with the bodies that bend, most of the machine's modules
-        from toothspace.machines.external_gear.balance import lateral_balance
+        from toothspace.machines.external_gear.floating.balance import lateral_balance
 
         balance = lateral_balance(assembly, numbering)
     return MachineDescription(
@@ -76,7 +76,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         port_volumes=(keys.inlet.volume, keys.outlet.volume),
         drain=keys.drain_node,
         drain_pressure=keys.drain_pressure or 1e5,
-        running_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
+        running_in=keys.casing.wear_in,
         lateral_balance=balance,
         outlines=loads.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),

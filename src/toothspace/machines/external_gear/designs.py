@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from toothspace.advice.gear_designs import GearDesigns, distance_of_backlash
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.gearing.design_values import DesignValues
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
@@ -27,12 +27,12 @@ def evaluate_designs(
 
     Raises
     ------
-    KeyRuleError
+    CaseError
         If the teeth come from files, or a key does not act on the kinematics.
     """
     own = machine.driven_gear
     if machine.gears.profile is not None or (own is not None and own.profile is not None):
-        raise KeyRuleError("gears.profile", "a file", "gears given by parameters")
+        raise CaseError("gears.profile", "a file", "gears given by parameters")
     values = DesignValues(machine, varied)
     in_range = values.in_range("gears", "driven_gear")
     with np.errstate(all="ignore"):

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toothspace.core.errors import CaseError, GeometryError
-from toothspace.core.keys import KeyRuleError, Problem
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves, read_contours
 from toothspace.gearing.materials import library_material
@@ -77,7 +76,7 @@ def _check_pair(
     if machine.journal_bearings.diameter >= 2.0 * root:
         found = f"{machine.journal_bearings.diameter * 1e3:.5g} mm"
         allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
-        raise KeyRuleError("journal_bearings.diameter", found, allowed)
+        raise CaseError("journal_bearings.diameter", found, allowed)
     distance = in_file or machine.gears.center_distance
     if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
         return distance or first.tip_radius + second.root_radius
@@ -87,8 +86,8 @@ def _check_pair(
         backlash = machine.gears.normal_backlash or 0.0
         return pair_from_backlash(first, second, backlash).center_distance
     except GeometryError as error:
-        table = "" if str(error).startswith("driven_gear") else "gears."
-        raise GeometryError(f"{table}{error}") from error
+        own = error.problems[0].key.startswith("driven_gear")
+        raise error.under("" if own else "gears") from error
 
 
 def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
@@ -110,10 +109,8 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
         base = replace(base, profile_part=None, profile_body=None)
     try:
         return replace(base, **given)
-    except KeyRuleError as error:
-        raise KeyRuleError.of(
-            Problem(f"driven_gear.{problem.key}", *problem[1:]) for problem in error.problems
-        ) from error
+    except CaseError as error:
+        raise error.under("driven_gear") from error
 
 
 def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
@@ -131,7 +128,7 @@ def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
         tooth = found.detected.drawn if drawn else found.detected.profile
     width = gear.face_width or (found and found.face_width)
     if not width:
-        raise KeyRuleError(f"{table}.face_width", "nothing", "compulsory: the file has none")
+        raise CaseError(f"{table}.face_width", "nothing", "compulsory: the file has none")
     return spec.Gear(
         tooth=tooth,
         face_width=width,
@@ -152,13 +149,13 @@ def _deviations(
     if gear.profile_teeth == "own" and found is not None:
         if found.detected.deviations is None:
             allowed = "involute flanks on a whole gear, or 'equal'"
-            raise KeyRuleError(f"{table}.profile_teeth", "'own'", allowed)
+            raise CaseError(f"{table}.profile_teeth", "'own'", allowed)
         return found.detected.deviations
     if gear.tooth_deviations is None:
         return None
     profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
     if profile.involute is None:
-        raise KeyRuleError(f"{table}.tooth_deviations", "a file", "involute flanks only")
+        raise CaseError(f"{table}.tooth_deviations", "a file", "involute flanks only")
     from toothspace.geometry.tooth_deviations import read_tooth_deviations
 
     file = gear.tooth_deviations
@@ -218,5 +215,5 @@ def _only_polygon(path: Path | None, key: str) -> Array | None:
         return None
     polygons = read_contours(path, key)
     if len(polygons) != 1:
-        raise KeyRuleError(key, f"{len(polygons)} polygons in {path.name}", "one polygon")
+        raise CaseError(key, f"{len(polygons)} polygons in {path.name}", "one polygon")
     return polygons[0]

@@ -6,9 +6,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from toothspace.core.errors import GeometryError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.frozen import Points
-from toothspace.core.keys import KeyRuleError
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.gear_data import gear_data
@@ -54,7 +53,7 @@ def detected_gear(gear: keys.GearParameters, file: Path | Points, table: str) ->
     count = found.detected.tooth_count
     if gear.tooth_count not in (None, count):
         allowed = f"{count} teeth as in {file.name}, or no tooth_count"
-        raise KeyRuleError(f"{table}.tooth_count", str(gear.tooth_count), allowed)
+        raise CaseError(f"{table}.tooth_count", str(gear.tooth_count), allowed)
     return found
 
 
@@ -65,7 +64,7 @@ def _found(source: _Source, key: str) -> FoundGear:
         contents = find_gears(file, source.unit, source.request, source.layer, source.tooth_count)
         return contents.gears[0]
     except GeometryError as error:
-        raise GeometryError(f"{key}: {error}".replace(str(file), file.name)) from error
+        raise error.read_for(key).naming(str(file), file.name) from error
 
 
 def check_unit(
@@ -75,7 +74,7 @@ def check_unit(
 
     Raises
     ------
-    KeyRuleError
+    CaseError
         With the unit in which the gear fits.
     """
     if _fits(machine, gear, drawn):
@@ -88,7 +87,7 @@ def check_unit(
     ]
     if len(others) == 1:
         size = 2e3 * drawn.tip_radius
-        raise KeyRuleError(
+        raise CaseError(
             f"{table}.profile_unit",
             f"{gear.profile_unit!r}, with which the tip diameter is {size:.5g} mm",
             f"{others[0]!r}, with which it is {size * to_si(1.0, others[0]) / own:.5g} mm and fits "

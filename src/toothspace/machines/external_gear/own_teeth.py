@@ -118,9 +118,10 @@ def own_teeth(
     first, second = assembly.counts
     if first != second:
         raise GeometryError(
-            f"machine.gears.tooth_deviations: found gears of {first} and {second} teeth, of which "
-            f"the same meet after {math.lcm(first, second) // first} revolutions, allowed equal "
-            f"tooth counts: tables hold one revolution"
+            "machine.gears.tooth_deviations",
+            f"gears of {first} and {second} teeth, of which the same meet after "
+            f"{math.lcm(first, second) // first} revolutions",
+            "equal tooth counts: tables hold one revolution",
         )
     flanks = _flanks(gears[0], assembly.profiles[0]), _flanks(gears[1], assembly.profiles[1])
     throats = spaces[0].left, spaces[0].right

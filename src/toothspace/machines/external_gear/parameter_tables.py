@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, cast, final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
     choice,
     file_path,
@@ -33,7 +33,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
 )
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.machines.external_gear.floating.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
 )
@@ -43,7 +43,7 @@ from toothspace.machines.shared_tables import (
     PortParameters,
     SideGapParameters,
 )
-from toothspace.model.description import BreakawayLaw, StartupFriction
+from toothspace.model.description import BreakawayLaw, RunningIn, StartupFriction
 
 _PORTS_AND_GROOVES = 330.0
 """Largest sum of both angles along a bore. [deg]"""
@@ -72,7 +72,7 @@ def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
         if suffix not in suffixes:
             forbid(gear, f"with {suffix} (it is read from {', '.join(suffixes)})", name)
     if suffix in _STEP and gear.profile_unit not in (None, "mm"):
-        raise KeyRuleError(
+        raise CaseError(
             "profile_unit", repr(gear.profile_unit), "leave this key out: STEP files have their own"
         )
 
@@ -83,7 +83,7 @@ def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: s
     if not is_solid(table.contour):
         forbid(table, f"unless the contour is a solid ({', '.join(SOLID_SUFFIXES)})", *names)
     elif suffix in _STEP and table.contour_unit != "mm":
-        raise KeyRuleError(
+        raise CaseError(
             "contour_unit",
             repr(table.contour_unit),
             "leave this key out: STEP files have their own",
@@ -166,16 +166,6 @@ class DrivenGearParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class WearInParameters(KeyTable):
-    """``[machine.casing.wear_in]``: condition at which the gears cut into the casing."""
-
-    pressure: float = quantity("bar", "Pressure on the high-pressure side.", above=0, high=1000)
-    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
-    temperature: float = quantity("degC", "Fluid temperature.", low=-60, high=250)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class CasingParameters(KeyTable):
     """``[machine.casing]``: bores round the gears and their port edges."""
 
@@ -216,8 +206,8 @@ class CasingParameters(KeyTable):
         "Height of the section through a solid along the axis; default the middle of the teeth.",
         default=None,
     )
-    wear_in: WearInParameters | None = table(
-        WearInParameters, "Running-in condition; leave out for an unworn casing.", default=None
+    wear_in: RunningIn | None = table(
+        RunningIn, "Running-in condition; leave out for an unworn casing.", default=None
     )
 
     def __post_init__(self) -> None:
@@ -227,7 +217,7 @@ class CasingParameters(KeyTable):
             if both > _PORTS_AND_GROOVES:
                 allowed = f"at most {_PORTS_AND_GROOVES:g} deg, so that teeth seal between them"
                 found = f"{both:.6g} deg together with outlet_angle"
-                raise KeyRuleError("inlet_angle", found, allowed)
+                raise CaseError("inlet_angle", found, allowed)
         forbid_solid_keys(self, "contour_body", "contour_part", "contour_plane")
 
 
@@ -266,7 +256,7 @@ class BearingBlockParameters(KeyTable):
         if self.motion == "seated":
             forbid(self, "with seated blocks", "port_area")
         elif self.radial_clearance == 0.0:
-            raise KeyRuleError("radial_clearance", "0 um", "above 0 um of free blocks")
+            raise CaseError("radial_clearance", "0 um", "above 0 um of free blocks")
 
 
 @final
@@ -381,11 +371,19 @@ class StartupParameters(KeyTable):
     )
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
 
+    seal_rest_ratio: float | None = number(
+        "Friction of the shaft seal at rest over that in running; default 1.",
+        low=1,
+        high=20,
+        default=None,
+    )
+
     def __post_init__(self) -> None:
         if self.breakaway == "interfaces":
             forbid(self, 'with breakaway = "interfaces"', "breakaway_torque")
         else:
             require(self, 'unless breakaway = "interfaces"', "breakaway_torque")
+            forbid(self, 'without breakaway = "interfaces"', "seal_rest_ratio")
 
     @property
     def friction(self) -> StartupFriction | None:
@@ -393,7 +391,10 @@ class StartupParameters(KeyTable):
         if self.breakaway_torque == 0.0:
             return None
         return StartupFriction(
-            cast(BreakawayLaw, self.breakaway), self.breakaway_torque or 0.0, self.breakaway_speed
+            law=cast(BreakawayLaw, self.breakaway),
+            torque=self.breakaway_torque or 0.0,
+            speed=self.breakaway_speed,
+            seal_ratio=self.seal_rest_ratio or 1.0,
         )
 
 
@@ -440,6 +441,11 @@ class ExternalGearTables(MachineTables):
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside the gears floats."""
+        return self.floating_bearing is None
 
     @property
     def missing_floating_part(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError
 from toothspace.core.signals import read_grid
 from toothspace.machines.external_gear.parameter_tables import SealParameters
 
@@ -39,6 +39,6 @@ def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:
         asked = getattr(seals, name)
         if not axis[0] <= asked <= axis[-1]:
             allowed = f"{axis[0]:.6g} to {axis[-1]:.6g} in SI units, the range of the table"
-            raise KeyRuleError(f"seals.{name}", f"{asked:.6g}", allowed)
+            raise CaseError(f"seals.{name}", f"{asked:.6g}", allowed)
     force = RegularGridInterpolator(axes, values)([[seals.temperature, seals.penetration]])
     return float(force[0]) * 0.5 * shaft_diameter

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.core.errors import GeometryError
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import AXES, BodySection, SectionRequest
@@ -33,13 +32,13 @@ def distance_in_file(
 
     Raises
     ------
-    KeyRuleError
+    CaseError
         If the case names neither a distance nor the second gear.
     """
     other = machine.driven_gear and machine.driven_gear.profile
     one_frame = machine.outlet_toward is not None or other in (None, machine.gears.profile)
     if drive.found is None or driven.found is None or not one_frame:
-        raise KeyRuleError(
+        raise CaseError(
             "gears.center_distance",
             "nothing",
             "compulsory unless both gears come from one solid, or from files in one frame with "
@@ -49,7 +48,7 @@ def distance_in_file(
     same = (drive.found.file, drive.found.body) == (driven.found.file, driven.found.body)
     if same or distance is None:
         named = f"body {driven.found.body} {driven.found.name!r}"
-        raise KeyRuleError(
+        raise CaseError(
             "driven_gear.profile_part",
             f"{named}, which is {'the drive gear' if distance == 0.0 else 'not parallel to it'}",
             "the other gear of the file, by profile_part or profile_body; or center_distance",
@@ -97,8 +96,9 @@ def groove_contours(
     found = face_recesses(frame.curves(face), frame.curves(behind[0]) if behind else [], gears)
     if not found:
         raise GeometryError(
-            f"{key}: {given.contour.name}: found no recess beside the teeth in the face of body "
-            f"{face.body}, allowed a bearing block with relief grooves"
+            f"{key}: {given.contour.name}",
+            f"no recess beside the teeth in the face of body {face.body}",
+            "a bearing block with relief grooves",
         )
     assert face.layer is not None
     return found, given.depth or face.layer[1] - face.layer[0]
@@ -112,7 +112,7 @@ def _frame(
     if machine.outlet_toward is None:
         if file != machine.gears.profile:
             return OWN_FRAME, (0.0, 0.0, 1.0)
-        raise KeyRuleError(
+        raise CaseError(
             "outlet_toward", "nothing", f"one of {', '.join(keys.OUTLETS)} with parts of one file"
         )
     toward = machine.outlet_toward
@@ -125,7 +125,7 @@ def _sections(file: Path, unit: str, request: SectionRequest, key: str) -> list[
     try:
         return _cut(file, file.stat().st_mtime_ns, to_si(1.0, unit), request)
     except GeometryError as error:
-        raise GeometryError(f"{key}: {error}".replace(str(file), file.name)) from error
+        raise error.read_for(key).naming(str(file), file.name) from error
 
 
 @lru_cache(maxsize=8)

@@ -16,7 +16,7 @@ from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.geometry.tooth_deviations import ToothDeviations
-from toothspace.machines.external_gear.floating_parameters import FloatingBearingParameters
+from toothspace.machines.external_gear.floating.floating_parameters import FloatingBearingParameters
 from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
 from toothspace.model.floating_bearing import Patch
 

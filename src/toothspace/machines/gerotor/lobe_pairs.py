@@ -20,6 +20,8 @@ from toothspace.model.description import Motion
 from toothspace.numerics.periodic_table import monotone_table, sum_of_tables
 
 _ALONG = 2e-6
+_WIDER = 1.001
+"""Gap of surfaces that face away over the widest of those that do not, at least. [-]"""
 LAWS: dict[str, Literal["hertz_line", "johnson", "pereira"]] = {
     "hertz": "hertz_line",
     "johnson": "johnson",
@@ -79,6 +81,9 @@ def _pair(
     geometry.slopes[:, 0] = np.where(contact.near, contact.gap_rate, 0.0)
     back, by_motion = _from_nominal(rotors, contact, moved, turn)
     geometry = sum_of_tables(geometry, monotone_table(contact.period, back))
+    # wide clearances leave more at nominal place than what tells surfaces that face away
+    apart = max(float(contact.gap.max()), _WIDER * float(geometry.values[contact.near, 0].max()))
+    geometry.values[~contact.near, 0] = apart
     return ContactPair(
         name=name,
         body_a=BODIES[0],
@@ -102,7 +107,7 @@ def _pair(
         restitution=settings.restitution,
         approach_speed=settings.impact_speed if settings.impact == "given" else None,
         squeeze_film=settings.squeeze_film == "on",
-        facing_gap=float(contact.gap.max()),
+        facing_gap=apart,
     )
 
 

@@ -99,8 +99,10 @@ def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
     least = float(path.gap.min())
     if least < -_OVERLAP_LIMIT:
         raise GeometryError(
-            f"machine.rotors.eccentricity: found {rotors.eccentricity * 1e3:.5g} mm, at which the "
-            f"rotors overlap by {-least * 1e3:.3g} mm, allowed below {_OVERLAP_LIMIT * 1e3:.2g} mm"
+            "machine.rotors.eccentricity",
+            f"{rotors.eccentricity * 1e3:.5g} mm, at which the rotors overlap by "
+            f"{-least * 1e3:.3g} mm",
+            f"below {_OVERLAP_LIMIT * 1e3:.2g} mm",
         )
     rate = _area_rate(rotors, path, per_pitch // 2)
     area = _integrated(parameters, rotors, count, rate)

@@ -84,13 +84,15 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     outer = parameters.outer_radius or float(np.hypot(*pocket.rotors.outer.T).max())
     if inner >= outer:
         raise GeometryError(
-            f"machine.ports.inner_radius: found {inner * 1e3:.5g} mm, allowed below "
-            f"{outer * 1e3:.5g} mm"
+            "machine.ports.inner_radius",
+            f"{inner * 1e3:.5g} mm",
+            f"below {outer * 1e3:.5g} mm",
         )
     if outer >= rim_radius:
         raise GeometryError(
-            f"machine.ports.outer_radius: found {outer * 1e3:.5g} mm, allowed below "
-            f"{rim_radius * 1e3:.5g} mm, the radius of the outer rotor"
+            "machine.ports.outer_radius",
+            f"{outer * 1e3:.5g} mm",
+            f"below {rim_radius * 1e3:.5g} mm, the radius of the outer rotor",
         )
     width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
     slot = 0.5 * width / rim_radius, width, length
@@ -111,7 +113,7 @@ def _from_file(parameters: PortContourParameters, lands: tuple[float, float]) ->
     }
     if any(len(found) != 1 for found in sides.values()):
         counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
-        raise GeometryError(f"{path}: found {counts}, allowed one closed curve on each side of x")
+        raise GeometryError(path, counts, "one closed curve on each side of x")
     return Ports(*lands, {name: found[0] for name, found in sides.items()})
 
 

@@ -15,8 +15,7 @@ from typing import NoReturn, final
 import numpy as np
 import shapely
 
-from toothspace.core.errors import GeometryError
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.geometry.curve import counter_clockwise, without_repeats
@@ -177,8 +176,9 @@ def offset_outline(outline: Array, distance: float) -> Array:
 
 def _refuse_offset(distance: float, left: str) -> NoReturn:
     raise GeometryError(
-        f"machine.rotors.tip_clearance: found {2e6 * abs(distance):.4g} um, of which the half "
-        f"leaves {left} of an outline, allowed less, or larger rotors"
+        "machine.rotors.tip_clearance",
+        f"{2000000.0 * abs(distance):.4g} um, of which the half leaves {left} of an outline",
+        "less, or larger rotors",
     )
 
 
@@ -199,23 +199,23 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
 
     Raises
     ------
-    KeyRuleError
+    CaseError
         For another tooth count than given, files without distance or width, or a wrong unit.
     """
     inner, outer = _drawn(parameters)
     given = parameters.inner_tooth_count
     if given not in (0, inner.tooth_count):
         found = f"{given}, but {inner.tooth_count} teeth in the profile"
-        raise KeyRuleError("rotors.inner_tooth_count", found, "that of the profile, or none")
+        raise CaseError("rotors.inner_tooth_count", found, "that of the profile, or none")
     _check_unit(parameters.profile_unit, outer, outer_diameter)
     eccentricity = parameters.eccentricity or drawn_eccentricity(inner, outer)
     if not eccentricity:
         reason = "compulsory unless the rotors are drawn apart on parallel axes"
-        raise KeyRuleError("rotors.eccentricity", "nothing", reason)
+        raise CaseError("rotors.eccentricity", "nothing", reason)
     width = parameters.face_width or inner.face_width
     if not width:
         reason = "compulsory unless the rotors are solids"
-        raise KeyRuleError("rotors.face_width", "nothing", reason)
+        raise CaseError("rotors.face_width", "nothing", reason)
     return replace(
         parameters, inner_tooth_count=inner.tooth_count, eccentricity=eccentricity, face_width=width
     )
@@ -235,7 +235,7 @@ def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
     scales = {name: to_si(1.0, name) / to_si(1.0, unit) for name in _UNITS}
     fits = [n for n, s in scales.items() if _LEAST_OF_RIM * diameter < size * s < diameter]
     if len(fits) == 1:
-        raise KeyRuleError(
+        raise CaseError(
             "rotors.profile_unit",
             f"{unit!r}, with which the outer rotor's lobes span {1e3 * size:.5g} mm",
             f"{fits[0]!r}, with which it is {1e3 * size * scales[fits[0]]:.5g} mm and fits the rim",
@@ -270,7 +270,7 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     waves = np.array([np.sum(height * np.exp(-1j * k * angle)) for k in orders])
     found = int(orders[np.argmax(np.abs(waves))])
     if found != tooth_count:
-        raise GeometryError(f"{name}: found {found} teeth, allowed {tooth_count}")
+        raise GeometryError(name, f"{found} teeth", tooth_count)
     phase = np.angle(waves[tooth_count - 2])
     turn = -0.5 * np.pi + phase / tooth_count
     turned = points @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])

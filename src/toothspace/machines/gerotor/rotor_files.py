@@ -85,9 +85,9 @@ def rotor_pair(
     if not pairs:
         found = [", ".join(str(one.tooth_count) for one in side) or "no" for side in both]
         raise GeometryError(
-            f"machine.rotors: found curves of {found[0]} teeth in {_named(inner)} and of "
-            f"{found[1]} in {_named(outer)}, allowed an inner rotor and an outer one with one "
-            f"tooth more"
+            "machine.rotors",
+            f"curves of {found[0]} teeth in {_named(inner)} and of {found[1]} in {_named(outer)}",
+            "an inner rotor and an outer one with one tooth more",
         )
     return pairs[0]
 

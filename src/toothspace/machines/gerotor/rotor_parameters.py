@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+from toothspace.core.errors import CaseError, Problem
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
-    KeyRuleError,
     KeyTable,
-    Problem,
     choice,
     file_path,
     forbid,
@@ -82,7 +81,7 @@ class RotorParameters(KeyTable):
             missing = [n for n in ("inner_tooth_count", "eccentricity", "face_width")
                        if not getattr(self, n)]  # fmt: skip
             if missing:
-                raise KeyRuleError.of(
+                raise CaseError.of(
                     Problem(name, "nothing", "compulsory with kind") for name in missing
                 )
         if self.kind == "trochoidal":

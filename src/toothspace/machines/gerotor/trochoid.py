@@ -101,7 +101,7 @@ class Trochoid:
 
 def _found(key: str, value: float, relation: str, bound: float) -> GeometryError:
     return GeometryError(
-        f"machine.rotors.{key}: found {value * 1e3:.5g} mm, allowed {relation} {bound * 1e3:.5g} mm"
+        f"machine.rotors.{key}", f"{value * 1e3:.5g} mm", f"{relation} {bound * 1e3:.5g} mm"
     )
 
 

@@ -13,7 +13,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.solid_file import SolidFile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_bodies import (
+from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
     BearingSide,
     MeshSize,
@@ -25,8 +25,8 @@ from toothspace.machines.external_gear.elastic_bodies import (
     waist,
     wall_direction,
 )
-from toothspace.machines.external_gear.films import FaceOfGear
-from toothspace.machines.external_gear.gear_flanks import GearFlanks
+from toothspace.machines.external_gear.floating.gear_flanks import GearFlanks
+from toothspace.machines.external_gear.gear_faces import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import BodyLoad, LoadSource
@@ -191,8 +191,9 @@ class ElasticAssembly:
             return body
         if half is not None:
             raise GeometryError(
-                f"machine.elastic_bodies.{_KEYS[name]}: found a file of a split bearing, allowed "
-                "for bearings in one piece"
+                f"machine.elastic_bodies.{_KEYS[name]}",
+                "a file of a split bearing",
+                "for bearings in one piece",
             )
         edge = files.edge_length or _EDGE * self.assembly.profiles[0].tip_radius
         return replace(body, shape=SolidFile(path, edge, f"machine.elastic_bodies.{_KEYS[name]}"))

@@ -13,14 +13,14 @@ import shapely.affinity
 from toothspace.core.errors import GeometryError
 from toothspace.gearing.numbering import Numbering
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_assembly import (
+from toothspace.machines.external_gear.floating.elastic_assembly import (
     ElasticAssembly,
     half_names,
     nose_outline,
     spring_share,
 )
-from toothspace.machines.external_gear.elastic_bodies import beside_cut
-from toothspace.machines.external_gear.films import FaceOfGear, film_face
+from toothspace.machines.external_gear.floating.elastic_bodies import beside_cut
+from toothspace.machines.external_gear.gear_faces import FaceOfGear, film_face
 from toothspace.machines.external_gear.loads import BODIES, bodies
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import (
@@ -141,9 +141,9 @@ def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
     high, nose = block.high_pressure if shape is None else _patch(shape), block.nose
     if high.area + nose.area > face.area:
         raise GeometryError(
-            f"machine.floating_bearing.high_pressure_area: found {high.area * 1e6:.5g} mm^2 with "
-            f"a nose of {nose.area * 1e6:.5g} mm^2, allowed together the back face "
-            f"{face.area * 1e6:.5g} mm^2"
+            "machine.floating_bearing.high_pressure_area",
+            f"{high.area * 1e6:.5g} mm^2 with a nose of {nose.area * 1e6:.5g} mm^2",
+            f"together the back face {face.area * 1e6:.5g} mm^2",
         )
     _check_places(block, face, shape)
     middle = (float(face.centroid.x), float(face.centroid.y))
@@ -188,8 +188,9 @@ def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
     for key, (x, y) in places:
         if not shapely.covers(outline, shapely.Point(x, y)):
             raise GeometryError(
-                f"machine.floating_bearing.{key}: found x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm, "
-                f"allowed {inside} mm"
+                f"machine.floating_bearing.{key}",
+                f"x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm",
+                f"{inside} mm",
             )
     if block.nose.area <= 0.0 or high is None:
         return
@@ -203,16 +204,15 @@ def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
         shut_in = shared > _SHARED * block.nose.area
     if shut_in:
         raise GeometryError(
-            f"machine.floating_bearing.nose.{key}: found {found} in the high-pressure area, "
-            "allowed beside it"
+            f"machine.floating_bearing.nose.{key}",
+            f"{found} in the high-pressure area",
+            "beside it",
         )
 
 
 def _housing(block: FloatingBlock, share: float) -> HousingContact:
     given = block.keys.housing
-    return HousingContact(
-        share * given.area, given.friction_coefficient, given.breakaway_speed, given.law
-    )
+    return replace(given, area=share * given.area)
 
 
 def _resultant(loads: Sequence[tuple[float, float, float]]) -> AxialForce:
@@ -229,8 +229,9 @@ def _halves(assembly: Assembly, block: FloatingBlock) -> tuple[FloatingBearing, 
     high = _high_pressure(assembly, block, face)
     if high is None:
         raise GeometryError(
-            "machine.floating_bearing.split: found a high_pressure_area without outline, allowed "
-            "with seal_line_x or contour"
+            "machine.floating_bearing.split",
+            "a high_pressure_area without outline",
+            "with seal_line_x or contour",
         )
     tips = [profile.tip_radius for profile in assembly.profiles]
     parts = (beside_cut(assembly, 0), beside_cut(assembly, 1))
@@ -263,8 +264,9 @@ def _high_pressure(assembly: Assembly, block: FloatingBlock, face: Any) -> Any |
         part = shapely.intersection(shapely.Polygon(block.high_pressure_contour), face)
         if part.area <= 0.0:
             raise GeometryError(
-                "machine.floating_bearing.high_pressure_area.contour: found an area beside the "
-                "bearing, allowed on its back face"
+                "machine.floating_bearing.high_pressure_area.contour",
+                "an area beside the bearing",
+                "on its back face",
             )
         return part
     given = block.keys.high_pressure_area
@@ -280,7 +282,8 @@ def _high_pressure(assembly: Assembly, block: FloatingBlock, face: Any) -> Any |
     if part.area <= 0.0:
         limit = float(np.round(high_x * 1e3, 3))
         raise GeometryError(
-            "machine.floating_bearing.high_pressure_area.seal_line_x: found "
-            f"{near * 1e3:.5g} mm, allowed below {limit} mm"
+            "machine.floating_bearing.high_pressure_area.seal_line_x",
+            f"{near * 1e3:.5g} mm",
+            f"below {limit} mm",
         )
     return part

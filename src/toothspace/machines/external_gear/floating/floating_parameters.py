@@ -16,7 +16,6 @@ from toothspace.core.keys import (
     forbid,
     instead_of,
     items,
-    number,
     pair,
     quantity,
     require,
@@ -24,6 +23,7 @@ from toothspace.core.keys import (
     text,
 )
 from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES
+from toothspace.model.floating_bearing import HousingContact
 
 _STEP = (".step", ".stp")
 _FORCE = QuantityKey(unit="N", low=-1e6, high=1e6)
@@ -80,19 +80,6 @@ class SpringParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class HousingContactParameters(KeyTable):
-    """``housing_contact``: friction between floating bearing and housing."""
-
-    area: float = quantity("mm^2", "Contact area.", low=0, high=1e6, default=0.0)
-    friction_coefficient: float = number("Coulomb friction.", low=0, high=1, default=0.0)
-    breakaway_speed: float = quantity(
-        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=6.45e-3
-    )
-    law: str = choice("Set-valued stick, or smooth.", "stick", "stribeck", default="stick")
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class FloatingBearingParameters(KeyTable):
     """``[machine.floating_bearing]``: force balance of the floating bearing."""
 
@@ -112,8 +99,8 @@ class FloatingBearingParameters(KeyTable):
     springs: tuple[SpringParameters, ...] = items(
         Table(spec=SpringParameters), "Springs on the back face.", low=0, high=50, default=()
     )
-    housing_contact: HousingContactParameters | None = table(
-        HousingContactParameters, "Friction in the housing.", default=None
+    housing_contact: HousingContact | None = table(
+        HousingContact, "Friction in the housing.", default=None
     )
     motion: str = choice("Free motions of bearing and gears.", "full", "axial", default="full")
     split: bool = flag(
@@ -145,9 +132,9 @@ class FloatingBearingParameters(KeyTable):
     )
 
     @property
-    def housing(self) -> HousingContactParameters:
+    def housing(self) -> HousingContact:
         """Contact with the housing, without friction where it is not given."""
-        return self.housing_contact or HousingContactParameters()
+        return self.housing_contact or HousingContact()
 
 
 @final

@@ -18,7 +18,7 @@ from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.spaces import drive_spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.gear_faces import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.model.floating_bearing import BodyLoad
 

@@ -26,7 +26,7 @@ from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
 from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.gear_flanks import flank_loads
+from toothspace.machines.external_gear.floating.gear_flanks import flank_loads
 from toothspace.machines.external_gear.loads import groove_polygons
 
 BearingSide = Literal["floating", "solid"]
@@ -82,7 +82,7 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
     -------
     ElasticBody
         Films ``floating`` (z > 0) and ``solid``; loads of
-        :func:`~toothspace.machines.external_gear.gear_flanks.flank_loads` and
+        :func:`~toothspace.machines.external_gear.floating.gear_flanks.flank_loads` and
         ``journal_floating_x``... (force of a journal film).
     """
     size = size or MeshSize()

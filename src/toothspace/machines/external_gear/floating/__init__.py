@@ -1,0 +1,12 @@
+"""Floating bearing of an external gear machine: its keys, its areas and the bodies that bend.
+
+===================  ======================================================================
+module               responsibility
+===================  ======================================================================
+floating_parameters  keys of ``[machine.floating_bearing]`` and ``[machine.elastic_bodies]``
+balance              areas and forces of the bearing, films beside the gears
+elastic_bodies       gears, bearing blocks and plates as elastic bodies
+gear_flanks          pressures and contacts on the flanks of such a gear
+elastic_assembly     all bodies with what acts on them in a run
+===================  ======================================================================
+"""
