@@ -158,7 +158,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
         for k in range(len(conditions))
     ]
     found = follow(points, conditions, study.start_gap, context or StudyContext(), keys)
-    return LateralStudy(conditions, found, friction.law == "stick")
+    return LateralStudy(conditions, found, study.start_gap)
 
 
 def read_positions(path: Path) -> tuple[Array, Array]:

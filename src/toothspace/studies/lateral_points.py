@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -21,7 +22,6 @@ from toothspace.floating.coupling import (
     PointRequest,
     couple_point,
 )
-from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.floating.problem import (
     LateralNumbers,
     LateralSettings,
@@ -47,8 +47,8 @@ if TYPE_CHECKING:
 
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
-_SLIDES = 0.02
-"""Difference from the friction of motion, over it, below which a bearing has moved. [-]"""
+_AT_REST = 1e-9
+"""Way below which a bearing has not moved. [m]"""
 _LUMPED_TOLERANCE = 1e-5
 _LUMPED_REVOLUTIONS = 24
 
@@ -85,21 +85,20 @@ class LateralStudy:
     """What is asked for."""
     points: tuple[StoredPoint, ...]
     """What was found; after an interrupt the points at the end are missing."""
-    holds: bool = True
-    """Whether friction of the housing can hold the bearing at rest (set-valued law)."""
+    start_gap: float = math.nan
+    """Gap that the first point starts from. [m]"""
+    follow: bool = True
+    """Whether every other point starts where the one before ended, or from the same gap."""
 
     @property
     def held_by_friction(self) -> tuple[bool, ...]:
-        """Whether friction leaves the bearing where each point starts.
-
-        A bearing that moved feels the friction of motion; at rest it takes what is asked for.
-        """
-        moving = [p.breakaway_force / BREAKAWAY_RATIO for p in self.points]
-        sizes = [abs(p.numbers.friction_force) for p in self.points]
-        return tuple(
-            self.holds and abs(size - sliding) > _SLIDES * sliding
-            for size, sliding in zip(sizes, moving, strict=True)
-        )
+        """Whether friction leaves the bearing where each point starts."""
+        places = [point.numbers.position for point in self.points]
+        solid = any(name.startswith("solid") for name in self.points[0].films)
+        # gears float with the bearing: its way is both films where one side is solid
+        first = self.start_gap * (2.0 if solid else 1.0)
+        starts = [first, *places[:-1]] if self.follow else [first] * len(places)
+        return tuple(abs(x - start) < _AT_REST for x, start in zip(places, starts, strict=True))
 
     @property
     def status(self) -> Status:

@@ -152,7 +152,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     if not found:
         raise KeyboardInterrupt
     conditions = tuple(chain.from_iterable(every))
-    return LateralStudy(conditions, tuple(found), friction.law == "stick")
+    return LateralStudy(conditions, tuple(found), study.start_gap, follow=False)
 
 
 def _conditions(
