@@ -30,7 +30,7 @@ from toothspace.model.floating_bearing import (
     LateralBalance,
     Patch,
 )
-from toothspace.studies.lateral_points import PointCondition
+from toothspace.studies.bearing_points import PointCondition
 
 INNER, OUTER, VISCOSITY = 10e-3, 25e-3, 1e-3
 AREA = np.pi * (OUTER**2 - INNER**2)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.case import Case, load_case
-from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.fingerprint import cached_by_hash
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -27,7 +27,7 @@ from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
-from toothspace.run.condition import condition_of, fluid_of, known_pressure
+from toothspace.run.condition import condition_of, fluid_of, known_pressure, known_temperatures
 from toothspace.run.run import Run
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def describe(case: AnyCase) -> MachineDescription:
     if spec is None:
         raise CaseError("machine", "none", "a case with a [machine] table")
     make = partial(machine_type(name).describe, spec)
-    return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
+    return cached_by_hash(_machines, _KEPT_MACHINES, make, name, spec)
 
 
 def prepare(case: Case) -> Run:
@@ -106,7 +106,8 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
         raise CaseError("study", f"{given.study_kind!r}", allowed).in_file(given.label)
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
-    solution = with_warnings(simulated(run, progress), known_pressure(given))
+    known = known_pressure(given), known_temperatures(given)
+    solution = with_warnings(simulated(run, progress), *known)
     if run.machine.as_drawn:
         try:
             drawn = prepare(given.replace(run.machine.as_drawn))

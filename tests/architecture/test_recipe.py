@@ -1,4 +1,4 @@
-"""The conda recipe asks for what the package asks for."""
+"""Recipe, citation, changelog and hooks agree with package and pins."""
 
 from __future__ import annotations
 
@@ -39,3 +39,22 @@ def test_recipe_asks_for_the_packages_of_the_core(repository: Path) -> None:
         *expected,
         f"python {project['requires-python']}",
     }
+
+
+def test_changelog_and_citation_name_the_last_release(repository: Path) -> None:
+    changes = (repository / "CHANGELOG.md").read_text(encoding="utf-8")
+    named, date = re.findall(r"(?m)^## (\d\S*) \((\d{4}-\d\d-\d\d)\)$", changes)[0]
+    assert named == version.RELEASED
+    citation = (repository / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    assert f"version: {named}" in citation
+    assert f"date-released: {date}" in citation
+
+
+def test_hooks_run_the_pinned_programs(repository: Path) -> None:
+    """Programs of the environment of `make setup` have the versions of the pins by themselves."""
+    hooks = (repository / ".pre-commit-config.yaml").read_text(encoding="utf-8")
+    lock = (repository / "requirements" / "lock.txt").read_text(encoding="utf-8")
+    assert set(re.findall(r"- repo: (\S+)", hooks)) == {"local"}
+    programs = set(re.findall(r"entry: \.venv/bin/([\w-]+)", hooks))
+    assert programs == {"ruff", "mypy", "lint-imports"}
+    assert {"ruff", "mypy", "import-linter"} <= {line.partition("==")[0] for line in lock.split()}

@@ -1,9 +1,13 @@
-"""The four walks of docs/developer/extending.md, each done on something that does not exist."""
+"""The five walks of docs/developer/extending.md, each done on something that does not exist."""
 
 from __future__ import annotations
 
 import ast
 import importlib
+import json
+import os
+import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests import tank_circuit
 from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
 from tests.architecture.reference_pages import case_page, result_page
 from tests.architecture.sources import PACKAGE, REPOSITORY
@@ -229,6 +234,108 @@ def test_result_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     with xr.open_dataset(tmp_path / "toy.nc", engine="h5netcdf") as kept:
         assert kept[name].attrs["units"] == "K"
         assert kept[name].dims == ("shaft_angle", "chamber")
+
+
+FILTER = '''
+"""Filters: a drop that grows with the oil that has passed."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+from toothspace.circuit.network import law_columns
+from toothspace.circuit.restrictions import Restriction
+from toothspace.core.compiled import kernel
+from toothspace.core.keys import quantity
+
+
+class FilterCake(NamedTuple):
+    resistance: float
+    growth: float
+
+
+_RESISTANCE, _GROWTH = law_columns(FilterCake)
+
+
+@kernel
+def filter_flow(element, drop, time):
+    resistance = element[_RESISTANCE] * (1.0 + element[_GROWTH] * time)
+    return drop / resistance, 1.0 / resistance
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Filter(Restriction):
+    """``kind = "filter"``: clogs over time."""
+
+    resistance: float = quantity("bar s/L", "Drop per flow when clean.", above=0, high=1e4)
+    growth: float = quantity("1/s", "Growth of the drop.", low=0, high=1, default=0.0)
+
+    @property
+    def law(self):
+        return FilterCake(self.resistance, self.growth)
+'''
+FILTER_LINES = (
+    (
+        "from toothspace.circuit.lines",
+        "from toothspace.circuit.filters import Filter, FilterCake, filter_flow\n",
+    ),
+    ('    "hose": Hose,', '    "filter": Filter,\n'),
+    ("FluidColumn)\n", "FilterCake, "),
+    (" FLUID_COLUMN,\n", " FILTER_CAKE,"),
+    (
+        "    if kind == RESISTANCE:",
+        "    if kind == FILTER_CAKE:\n        return filter_flow(element, drop, time)\n",
+    ),
+)
+"""What stands before a line of the list of elements, and the line itself."""
+FILTER_USE = """
+import json, sys
+from toothspace.api import fluid_of
+from toothspace.case import Case
+from toothspace.case.json_schema import case_schema
+from toothspace.circuit.circuit import build_circuit
+from toothspace.circuit.elements import LAWS, element_flow
+from toothspace.circuit.history import Tables
+
+case = Case.from_dict(json.load(sys.stdin))
+circuit = build_circuit(case.circuit, (1e-4, 1e-4), fluid_of(case))
+tables, places = Tables(), {node.name: k for k, node in enumerate(circuit.all_nodes)}
+(row,) = circuit.rows(places, LAWS, tables)
+flows = [element_flow(row, tables.rows, 2e5, 850.0, time) for time in (0.0, 10.0)]
+print(json.dumps({"flows": flows, "schema": "filter" in json.dumps(case_schema())}))
+"""
+
+
+def test_circuit_element(tmp_path: Path) -> None:
+    """A family of its own with keys, law and kernel, and its lines in the list of elements."""
+    package = tmp_path / "toothspace"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    (package / "circuit" / "filters.py").write_text(FILTER, encoding="utf-8")
+    listed = package / "circuit" / "elements.py"
+    text = listed.read_text(encoding="utf-8")
+    for before, line in FILTER_LINES:
+        assert text.count(before) == 1
+        text = text.replace(before, line + before)
+    listed.write_text(text, encoding="utf-8")
+    tables = tank_circuit.pump_between_tanks("600 rpm", "0.1 s", high="outlet")
+    tables["circuit"]["connections"][0] = ["machine.outlet", "f"]
+    tables["circuit"]["connections"].append(["f", "high"])
+    tables["circuit"]["f"] = {"kind": "filter", "resistance": "20 bar s/L", "growth": "0.1 1/s"}
+    done = subprocess.run(
+        [sys.executable, "-c", FILTER_USE],
+        input=json.dumps(tables),
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["schema"]
+    flow, slope = found["flows"][0]
+    assert [flow, slope] == pytest.approx([1e-4, 5e-10])  # 2 bar over 20 bar s/L
+    assert found["flows"][1][0] == pytest.approx(5e-5)
 
 
 CLOSURE = "\n\n@inlined\ndef toy_friction(speed):\n    return speed\n"

@@ -27,6 +27,10 @@ RUNS: dict[str, tuple[str, tuple[str, ...]]] = {
     "fuel14_pump": ("fuel14_pump", ("run.relative_tolerance=1e-6",)),
     "gerotor_trochoidal": ("gerotor_trochoidal", ()),
     "startup": ("startup_fan_drive", ('circuit.duration="1.6 s"', "run.time_samples=400")),
+    "startup_complete": (
+        "startup_complete",
+        ('circuit.duration="1.6 s"', "run.time_samples=400"),
+    ),
 }
 """Name of each run, its case and overrides."""
 

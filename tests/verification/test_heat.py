@@ -21,7 +21,7 @@ def summary(*overrides: str):
 
 @pytest.fixture(scope="module")
 def network():
-    return summary()
+    return summary("heat.model=network")
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_warm_films_are_thinner_in_friction_and_leakage(network, coupled) -> Non
 @pytest.mark.slow
 def test_films_that_would_be_too_hot_with_cold_oil_are_found() -> None:
     fast = ("operating_point.shaft_speed=6000 rpm", "operating_point.inlet_pressure=21 bar")
-    _, cold = summary(*fast)
+    _, cold = summary(*fast, "heat.model=network")
     solution, numbers = summary(*fast, "heat.model=coupled")
     assert cold["highest_film_temperature_degC"] > 140.0
     assert 70.0 < numbers["highest_film_temperature_degC"] < 100.0
@@ -71,7 +71,7 @@ def test_films_that_would_be_too_hot_with_cold_oil_are_found() -> None:
 
 
 def test_soon_after_the_start_films_are_as_cold_as_the_supply(network) -> None:
-    solution, numbers = summary("heat.running_time='1 ms'")
+    solution, numbers = summary("heat.model=network", "heat.running_time='1 ms'")
     assert numbers["highest_film_temperature_degC"] == pytest.approx(50.0, abs=1.0)
     assert solution.statistics["warm_up_time"] == network[0].statistics["warm_up_time"]
 

@@ -14,7 +14,7 @@ from tests.conftest import REPOSITORY
 from tests.iteration_matrices import jacobian_of
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.plumbing import plumb
+from toothspace.circuit.circuit import build_circuit
 from toothspace.closures.bulk_modulus import liquid_bulk_modulus
 from toothspace.closures.line_friction import memory_branches, memory_transform, turbulent_growth
 from toothspace.closures.viscosity import dynamic_viscosity
@@ -91,7 +91,7 @@ def solved_admittance(system: System, cells: int, frequencies: npt.ArrayLike) ->
 def branches(system: System) -> int:
     circuit = system.condition.circuit
     assert circuit is not None
-    return len(circuit.elements[-1].memory)
+    return len(circuit.elements[-1].table)
 
 
 def exact_admittance(system: System, cells: int, frequencies: npt.ArrayLike) -> ComplexArray:
@@ -234,7 +234,7 @@ def test_impossible_couplings_are_refused(more: str, message: str) -> None:
 def solve_shaft(case: Case) -> None:
     description, fluid = api.describe(case), api.fluid_of(case)
     assert case.circuit is not None
-    plumb(case.circuit, description, fluid)
+    build_circuit(case.circuit, description.port_volumes, fluid)
     condition_of(case, description, fluid)
 
 
@@ -288,7 +288,9 @@ def test_every_node_has_a_name_of_its_own() -> None:
     case = Case.from_toml(MOTOR.split("[circuit]")[0] + SHARED_NAMES)
     assert case.circuit is not None
     description, fluid = api.describe(case), api.fluid_of(case)
-    names = [node.name for node in plumb(case.circuit, description, fluid).nodes]
+    names = [
+        node.name for node in build_circuit(case.circuit, description.port_volumes, fluid).nodes
+    ]
     assert len(set(names)) == len(names)
     assert "drain" not in names
     system = assemble(description, fluid, condition_of(case, description, fluid))

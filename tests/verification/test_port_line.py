@@ -11,7 +11,6 @@ from scipy.special import jv
 
 from tests.conftest import REPOSITORY
 from toothspace import api
-from toothspace.case.lines import wall_flexibility
 from toothspace.closures.bulk_modulus import liquid_bulk_modulus
 from toothspace.closures.density import mixture_density
 from toothspace.closures.viscosity import dynamic_viscosity
@@ -71,7 +70,7 @@ def test_pressure_over_flow_at_the_port_is_the_impedance_of_line_and_orifice() -
     density = float(mixture_density(PRESSURE, fluid.feed_gas_mass_fraction, fluid))
     viscosity = float(dynamic_viscosity(PRESSURE, fluid)) / density
     area, s = 0.25 * np.pi * line.bore**2, 1j * orders * SPEED
-    stiffness = 1.0 / float(liquid_bulk_modulus(PRESSURE, fluid)) + wall_flexibility(line, fluid)
+    stiffness = 1.0 / float(liquid_bulk_modulus(PRESSURE, fluid)) + line.wall_flexibility(fluid)
     root = 0.5j * line.bore * np.sqrt(s / viscosity)
     series = density / area * s / (1.0 - 2.0 * jv(1, root) / (root * jv(0, root)))
     wave = np.sqrt(series * area * stiffness * s) * line.length

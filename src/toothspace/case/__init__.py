@@ -10,7 +10,6 @@ rules           what several keys must fulfil together
 shipped         cases that come with the package
 json_schema     JSON Schema of all keys
 conditions      fluid, operating point, numerical settings of the run
-circuit         circuit elements and their connections
 stand_alone     journal bearing and film without a machine
 =============== ==========================================================
 """
@@ -18,9 +17,9 @@ stand_alone     journal bearing and film without a machine
 from __future__ import annotations
 
 from toothspace.case.case import Case, load_case
-from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
 from toothspace.case.stand_alone import FilmCase, JournalBearingCase
+from toothspace.circuit.circuit import Circuit
 
 __all__ = [
     "Case",

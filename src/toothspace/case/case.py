@@ -17,7 +17,7 @@ from toothspace.case.document import (
     read_document,
     require_ordinary,
 )
-from toothspace.case.fingerprint import kept_by_content
+from toothspace.case.fingerprint import cached_by_hash
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
@@ -263,7 +263,7 @@ class Case(CaseTables):
             return None
         make, was_hashed = partial(_assembled, self.machine), "hash" in vars(self)
         try:
-            spec = kept_by_content(_machines, _KEPT_MACHINES, make, self.machine)
+            spec = cached_by_hash(_machines, _KEPT_MACHINES, make, self.machine)
         except CaseError as error:
             raise self._read_from.refuse(error) from error
         except OSError as error:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from toothspace.case.circuit import PortLine
 from toothspace.case.presets import (
     LUMPED,
     PRESETS,
@@ -15,6 +14,7 @@ from toothspace.case.presets import (
     LumpedKeys,
     Preset,
 )
+from toothspace.circuit.lines import PortLine
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns

@@ -30,7 +30,7 @@ def fingerprint(*values: Any) -> str:
     return digest.hexdigest()
 
 
-def kept_by_content(
+def cached_by_hash(
     kept: dict[str, _Made], most: int, make: Callable[[], _Made], *content: Any
 ) -> _Made:
     """Return what was made of a content before, or make it; the oldest beyond ``most`` goes."""

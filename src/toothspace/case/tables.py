@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
+from toothspace.circuit.circuit import Circuit
 from toothspace.core.keys import KeyTable, Variant, declare, integer, table, text
 from toothspace.core.registry import MACHINE_KEYS, STUDY_KEYS
 

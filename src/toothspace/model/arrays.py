@@ -102,20 +102,13 @@ CURVE_COLUMNS = 7
 # slide (+1, -1), or zero while it sticks or while its speed is prescribed at zero. Driven are
 # the bodies that turn against the shaft, whose friction and inertia the mesh carries.
 (
-    FREE, DIRECTION, INERTIA, LOAD_LINEAR, LOAD_CUBIC, LOAD_CONSTANT, BREAKAWAY,
+    FREE, DIRECTION, INERTIA, LOAD_LINEAR, LOAD_CUBIC, BREAKAWAY,
     RUNNING_FRICTION, BREAKAWAY_SPEED, ADDED_FRICTION, FADE, DRIVING_TORQUE, HOLDING_TORQUE,
     SPEED_KNOT, SPEED_KNOTS, LOAD_KNOT, LOAD_KNOTS, PRESENT_LOAD, LOAD_SQUARE, LOAD_INERTIA,
     COUPLING_STIFFNESS, COUPLING_DAMPING, DRIVEN_INERTIA, DRIVEN_LATERAL, DRIVEN_FRICTION,
     FROM_INTERFACES, SEAL_RATIO,
-) = range(27)  # fmt: skip
-DRIVE_COLUMNS = 27
-
-# Columns of ``elements``: hydraulic elements of a circuit and their present flow.
-(
-    ELEMENT_KIND, ELEMENT_A, ELEMENT_B, FIRST_KNOT, KNOTS, PARAMETER_1, PARAMETER_2,
-    PARAMETER_3, PARAMETER_4, ELEMENT_FLOW, ELEMENT_BY_A, ELEMENT_BY_B,
-) = range(12)  # fmt: skip
-ELEMENT_COLUMNS = 12
+) = range(26)  # fmt: skip
+DRIVE_COLUMNS = 26
 
 
 @passed_by_address

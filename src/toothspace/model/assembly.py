@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
 
+from toothspace.circuit import network as net
+from toothspace.circuit.elements import LAWS
+from toothspace.circuit.history import Tables
+from toothspace.circuit.network import PORT_NODES, CircuitNetwork
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_density
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.arrays import Constants, ContactSurface, Sizes, SystemArrays
-from toothspace.model.circuit_description import (
-    circuit_rows,
-    column_states,
-    coupling_states,
-    drive_row,
-)
 from toothspace.model.contact_data import contact_parts, loaded_contacts, rigid_mesh
 from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
 from toothspace.model.films import (
@@ -27,7 +25,6 @@ from toothspace.model.films import (
     lateral_drag,
     lateral_torque_coefficient,
 )
-from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.free_motions import free_blocks, free_motions, map_of_motions, motion_rows
 from toothspace.model.lateral_load import (
     SampledLoads,
@@ -37,7 +34,7 @@ from toothspace.model.lateral_load import (
     with_lateral_leakage,
 )
 from toothspace.model.lateral_table import LOAD_STATES
-from toothspace.model.ledger import FRICTION_MECHANISMS, PORT_NODES, THROTTLING
+from toothspace.model.ledger import FRICTION_MECHANISMS, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import PathCategory
 from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
@@ -77,6 +74,11 @@ class System:
     """
     categories: tuple[PathCategory, ...]
     """What the flow paths are booked under, in the order of the ledger."""
+
+    def at(self, **changes: Any) -> System:
+        """System of the same machine and fluid at a condition in which some values differ."""
+        condition = replace(self.condition, **changes)
+        return assemble(self.description, self.arrays.fluid, condition)
 
     @property
     def contact_labels(self) -> list[str]:
@@ -120,8 +122,9 @@ def assemble(
     counts = {"motions": motion_map.shape[1], "journals": len(journals.rows), **contacts.counts}
     dynamic = _dynamic_index(description, condition)
     sizes = _sizes(description, condition, paths, dynamic, counts)
-    drive = _drive(description, condition, free)
-    elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
+    tables_over_time = Tables()
+    elements = (condition.circuit or CircuitNetwork()).rows(places, LAWS, tables_over_time)
+    drive = _drive(description, condition, free, tables_over_time)
     arrays = SystemArrays(
         size=sizes,
         constant=Constants(
@@ -159,7 +162,7 @@ def assemble(
         motion=motion_rows(description, condition, free),
         drive=drive,
         elements=elements,
-        schedule=schedule,
+        schedule=tables_over_time.rows,
         **_work(sizes),
     )
     pattern = _pattern(arrays)
@@ -178,9 +181,11 @@ def _sizes(
     chambers, motions = description.chamber_count, counts["motions"]
     dynamic = int(np.max(dynamic_index)) + 1
     column = 2 + 2 * dynamic + 2 * motions
-    film = column + column_states(condition.circuit)
+    film = column + (condition.circuit.states if condition.circuit else 0)
     load = film + LOAD_STATES * (description.lateral_table is not None)
-    core = load + coupling_states(condition.free_shaft)
+    shaft = condition.free_shaft
+    # twist of an elastic coupling, and speed of the load beyond it
+    core = load + 2 * (shaft is not None and shaft.coupling is not None)
     return Sizes(
         chambers=chambers,
         nodes=len(dynamic_index),
@@ -268,13 +273,39 @@ def node_places(description: MachineDescription, condition: OperatingCondition) 
 
 
 def _drive(
-    description: MachineDescription, condition: OperatingCondition, free: list[int]
+    description: MachineDescription,
+    condition: OperatingCondition,
+    free: list[int],
+    tables: Tables,
 ) -> Array:
+    """Row of the shaft; the tables of its speed and its load join the others."""
+    shaft, startup = condition.free_shaft, description.startup
     turning = {m.body for m in (description.motions[k] for k in free) if m.axis == "rotation"}
     inertia = sum(b.inertia * b.speed_ratio**2 for b in description.bodies if b.name not in turning)
-    row = drive_row(
-        condition.free_shaft, condition.shaft_speed, float(description.seal_torque), inertia
-    )
+    row = np.zeros(col.DRIVE_COLUMNS)
+    row[col.FADE] = row[col.BREAKAWAY_SPEED] = 1.0
+    row[col.RUNNING_FRICTION] = description.seal_torque
+    row[col.DIRECTION] = np.sign(condition.shaft_speed)
+    if shaft is not None:
+        row[col.FREE] = 1.0
+        row[col.INERTIA] = shaft.inertia + inertia
+        row[[col.LOAD_LINEAR, col.LOAD_SQUARE, col.LOAD_CUBIC]] = (
+            shaft.linear,
+            shaft.square,
+            shaft.cubic,
+        )
+        if shaft.coupling is not None:
+            row[[col.INERTIA, col.LOAD_INERTIA]] = inertia, shaft.inertia
+            row[col.COUPLING_STIFFNESS] = shaft.coupling.stiffness
+            row[col.COUPLING_DAMPING] = shaft.coupling.damping
+        if startup is not None:
+            row[[col.BREAKAWAY, col.BREAKAWAY_SPEED]] = startup.torque, startup.speed
+            row[col.ADDED_FRICTION] = startup.law == "additive"
+            row[col.FROM_INTERFACES] = startup.law == "interfaces"
+            row[col.SEAL_RATIO] = startup.seal_ratio
+    speed, load = condition.schedules
+    row[[col.SPEED_KNOT, col.SPEED_KNOTS]] = tables.add(speed)
+    row[[col.LOAD_KNOT, col.LOAD_KNOTS]] = tables.add(load)
     drag = lateral_drag(description)
     driven = [body for body in description.bodies if body.role == "driven"]
     row[col.DRIVEN_INERTIA] = -sum(b.inertia * b.speed_ratio for b in driven)
@@ -397,11 +428,11 @@ def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
     coupled = [1, *range(size.load, size.core)]
     pattern[np.ix_(coupled, coupled)] = True
     for element in arrays.elements:
-        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+        a, b = int(element[net.END_A]), int(element[net.END_B])
         columns = [*_columns(arrays, a), *_columns(arrays, b)]
-        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
-            place = size.column + int(element[col.PARAMETER_4])
-            own = list(range(place, place + 1 + int(element[col.KNOTS])))
+        if element[net.STATES] > 0.0:
+            place = size.column + int(element[net.FIRST_STATE])
+            own = list(range(place, place + int(element[net.STATES])))
             pattern[np.ix_(own, [*own, *columns])] = True
             columns.append(place)
         pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns or [0])] = True

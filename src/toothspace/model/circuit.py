@@ -1,42 +1,60 @@
-r"""Hydraulic elements round the machine: supply pump, valves; their flows and losses.
-
-Each element joins two nodes; its volume flow counts from a to b and depends on the pressures
-at both ends and on time. Volumes (hoses, lines) are dynamic nodes of the network, tanks are
-nodes of constant pressure, orifices are ordinary flow paths, lines with waves are chains of
-nodes and fluid columns.
-"""
+"""Circuit elements in the right-hand side: what they carry between nodes, lose and store."""
 
 from __future__ import annotations
 
-from toothspace.closures.hydraulic_resistance import resistance_flow, throttle_flow, valve_flow
+from toothspace.circuit import network as net
+from toothspace.circuit.elements import element_flow
+from toothspace.circuit.lines import (
+    add_column,
+    column_energy,
+    column_power,
+    column_weight,
+    fill_column,
+)
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
-from toothspace.model.drive import scheduled
-from toothspace.model.fluid_column import FLUID_COLUMN, column_flow, column_power
 from toothspace.model.ledger import CIRCUIT, SUPPLY
 
-SUPPLY_PUMP, PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE = range(4)
+
+@kernel
+def ends_of(element: Array) -> tuple[int, int]:
+    """Nodes at both ends."""
+    return int(element[net.END_A]), int(element[net.END_B])
+
+
+@kernel
+def drop_along(s: SystemArrays, element: Array) -> float:
+    """Pressure at the first end over that at the second. [Pa]."""
+    a, b = ends_of(element)
+    return s.node[a, col.PRESSURE] - s.node[b, col.PRESSURE]
+
+
+@kernel
+def own_state(s: SystemArrays, element: Array) -> int:
+    """Where the states of an element begin whose flow is one."""
+    return s.size.column + int(element[net.FIRST_STATE])
 
 
 @kernel
 def update_elements(s: SystemArrays, state: Array, time: float) -> None:
     """Flow of every element and its derivatives; add them to the balances of the nodes."""
-    elements, node = s.elements, s.node
-    for j in range(elements.shape[0]):
-        element = elements[j]
-        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
-        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
-            flow, by_drop = column_flow(s, element, state), 0.0
+    node = s.node
+    for j in range(s.elements.shape[0]):
+        element = s.elements[j]
+        a, b = ends_of(element)
+        if element[net.STATES] > 0.0:
+            flow, by_drop = state[own_state(s, element)], 0.0
         else:
             drop = node[a, col.PRESSURE] - node[b, col.PRESSURE]
-            flow, by_drop = element_flow(s, element, drop, time)
+            upstream = node[a, col.DENSITY] if drop >= 0.0 else node[b, col.DENSITY]
+            flow, by_drop = element_flow(element, s.schedule, drop, upstream, time)
         density = node[a, col.DENSITY] if flow >= 0.0 else node[b, col.DENSITY]
         gas = node[a, col.GAS] if flow >= 0.0 else node[b, col.GAS]
-        element[col.ELEMENT_FLOW] = density * flow
-        element[col.ELEMENT_BY_A] = density * by_drop
-        element[col.ELEMENT_BY_B] = -density * by_drop
+        element[net.FLOW] = density * flow
+        element[net.FLOW_BY_A] = density * by_drop
+        element[net.FLOW_BY_B] = -density * by_drop
         node[a, col.MASS_RATE] -= density * flow
         node[b, col.MASS_RATE] += density * flow
         node[a, col.GAS_RATE] -= gas * density * flow
@@ -44,70 +62,35 @@ def update_elements(s: SystemArrays, state: Array, time: float) -> None:
 
 
 @kernel
-def element_flow(s: SystemArrays, element: Array, drop: float, time: float) -> tuple[float, float]:
-    """Volume flow of an element and its derivative with respect to the pressure drop."""
-    kind = element[col.ELEMENT_KIND]
-    if kind == PRESSURE_VALVE:
-        opening, gradient = element[col.PARAMETER_1], element[col.PARAMETER_2]
-        return valve_flow(drop, opening, gradient, element[col.PARAMETER_3])
-    if kind == RESISTANCE:
-        return resistance_flow(drop, element[col.PARAMETER_1], element[col.PARAMETER_2])
-    value = scheduled(s.schedule, int(element[col.FIRST_KNOT]), int(element[col.KNOTS]), time)
-    if kind == SUPPLY_PUMP:
-        return supply_flow(s, element, drop, value)
-    density = s.node[int(element[col.ELEMENT_A if drop >= 0.0 else col.ELEMENT_B]), col.DENSITY]
-    return throttle_flow(drop, element[col.PARAMETER_1] * value, density)
+def fill_element_rates(s: SystemArrays, state: Array, rate: Array) -> None:
+    """Rates of the states of all elements that have some."""
+    for j in range(s.elements.shape[0]):
+        element = s.elements[j]
+        if element[net.STATES] > 0.0:
+            place = own_state(s, element)
+            fill_column(element, s.schedule, drop_along(s, element), state, place, rate)
 
 
 @kernel
-def supply_flow(s: SystemArrays, element: Array, drop: float, speed: float) -> tuple[float, float]:
-    """Flow of a supply pump and its derivative with respect to the drop. [m3/s], [m3/(s Pa)].
-
-    Parameters are displacement per radian, volumetric efficiency at zero pressure difference,
-    its change per pressure rise (or the first row of an efficiency map, as minus one minus
-    the row) and the leakage per pressure rise.
-    """
-    ideal = element[col.PARAMETER_1] * speed
-    slip = element[col.PARAMETER_4]
-    if element[col.PARAMETER_2] < 0.0:
-        first = int(-element[col.PARAMETER_2]) - 1
-        efficiency, slope = map_efficiency(s.schedule, first, speed, -drop)
-    else:
-        slope = element[col.PARAMETER_3]
-        efficiency = element[col.PARAMETER_2] - slope * drop
-    flow = ideal * efficiency + slip * drop
-    if flow * ideal <= 0.0:
-        return 0.0, 0.0
-    return flow, slip - ideal * slope
+def fill_element_weights(s: SystemArrays, state: Array, weight: Array) -> None:
+    """Error allowed in the states of all elements."""
+    for j in range(s.elements.shape[0]):
+        element = s.elements[j]
+        place = own_state(s, element)
+        for i in range(int(element[net.STATES])):
+            allowed = column_weight(element, state[place], s.constant.relative_tolerance)
+            weight[place + i] = allowed
 
 
 @kernel
-def map_efficiency(rows: Array, first: int, speed: float, rise: float) -> tuple[float, float]:
-    """Bilinear map at a speed and a pressure rise, and its slope over the rise; flat outside.
-
-    The first row counts speeds and rises; speeds, rises and values follow, rises fastest.
-    """
-    speeds, rises = int(rows[first, 0]), int(rows[first, 1])
-    axis = first + 1
-    i, x = place(rows, axis, speeds, abs(speed))
-    axis += speeds
-    j, y = place(rows, axis, rises, rise)
-    width = rows[axis + j + 1, 0] - rows[axis + j, 0]
-    corner = axis + rises + i * rises + j
-    low = rows[corner, 0] + x * (rows[corner + rises, 0] - rows[corner, 0])
-    high = rows[corner + 1, 0] + x * (rows[corner + rises + 1, 0] - rows[corner + 1, 0])
-    inside = 1.0 if 0.0 < y < 1.0 else 0.0
-    return low + y * (high - low), inside * (high - low) / width
-
-
-@kernel
-def place(rows: Array, first: int, count: int, value: float) -> tuple[int, float]:
-    """Cell of an increasing axis that holds a value, and the share of the cell before it."""
-    k = 0
-    while k < count - 2 and rows[first + k + 1, 0] <= value:
-        k += 1
-    low, high = rows[first + k, 0], rows[first + k + 1, 0]
-    return k, min(max((value - low) / (high - low), 0.0), 1.0)
+def stored_in_elements(s: SystemArrays, state: Array) -> float:
+    """Kinetic energy of all fluid columns. [J]."""
+    energy = 0.0
+    for j in range(s.elements.shape[0]):
+        element = s.elements[j]
+        if element[net.STATES] > 0.0:
+            energy += column_energy(element, s.schedule, state, own_state(s, element))
+    return energy
 
 
 @kernel
@@ -116,14 +99,54 @@ def book_circuit(s: SystemArrays, state: Array, ledger: Array) -> None:
     node = s.node
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
-        flow = element[col.ELEMENT_FLOW]
-        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
+        flow = element[net.FLOW]
+        a, b = ends_of(element)
         gas = node[a, col.GAS] if flow > 0.0 else node[b, col.GAS]
         rise = (1.0 - gas) * (node[b, col.LIQUID_ENTHALPY] - node[a, col.LIQUID_ENTHALPY])
         rise += gas * (node[b, col.GAS_ENTHALPY] - node[a, col.GAS_ENTHALPY])
-        if element[col.ELEMENT_KIND] == SUPPLY_PUMP:
+        if element[net.SUPPLIES] > 0.0:
             ledger[SUPPLY] += flow * rise
             continue
         ledger[CIRCUIT] -= flow * rise
-        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
-            ledger[CIRCUIT] -= column_power(s, element, state)
+        if element[net.STATES] > 0.0:
+            place, drop = own_state(s, element), drop_along(s, element)
+            ledger[CIRCUIT] -= column_power(element, s.schedule, drop, state, place)
+
+
+@kernel
+def add_elements(s: SystemArrays, state: Array, t: float, matrix: Array) -> None:
+    """Derivatives of the flows of all elements with respect to the pressures at their ends."""
+    node, size = s.node, s.size
+    update_elements(s, state, t)
+    for j in range(s.elements.shape[0]):
+        element = s.elements[j]
+        if element[net.STATES] > 0.0:
+            add_own_states(s, state, element, matrix)
+            continue
+        a, b = ends_of(element)
+        gas = node[a, col.GAS] if element[net.FLOW] >= 0.0 else node[b, col.GAS]
+        for i, slope in ((a, element[net.FLOW_BY_A]), (b, element[net.FLOW_BY_B])):
+            d = s.dynamic_index[i]
+            if d < 0:
+                continue
+            change = slope * node[i, col.PRESSURE_BY_MASS]
+            matrix[s.balance[a, 0], size.mass + d] -= change
+            matrix[s.balance[b, 0], size.mass + d] += change
+            matrix[s.balance[a, 1], size.mass + d] -= gas * change
+            matrix[s.balance[b, 1], size.mass + d] += gas * change
+
+
+@kernel
+def add_own_states(s: SystemArrays, state: Array, element: Array, matrix: Array) -> None:
+    """Derivatives of the states of an element, and of what its flow carries between its nodes."""
+    place = own_state(s, element)
+    a, b = ends_of(element)
+    by_drop = add_column(element, s.schedule, state, place, matrix)
+    source = a if element[net.FLOW] >= 0.0 else b
+    density, gas = s.node[source, col.DENSITY], s.node[source, col.GAS]
+    for i, sign in ((a, 1.0), (b, -1.0)):
+        d = s.dynamic_index[i]
+        if d >= 0:
+            matrix[place, s.size.mass + d] += sign * s.node[i, col.PRESSURE_BY_MASS] * by_drop
+        matrix[s.balance[i, 0], place] -= sign * density
+        matrix[s.balance[i, 1], place] -= sign * gas * density

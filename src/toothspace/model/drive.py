@@ -11,6 +11,7 @@ and stays at the breakaway torque below it, where the printed law only regularis
 
 from __future__ import annotations
 
+from toothspace.circuit.history import scheduled
 from toothspace.closures.friction import running_share, stribeck_hump
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
@@ -24,7 +25,7 @@ def load_torque(s: SystemArrays, speed: float) -> float:
     drive = s.drive
     by_speed = drive[col.LOAD_LINEAR] + drive[col.LOAD_SQUARE] * abs(speed)
     by_speed += drive[col.LOAD_CUBIC] * speed * speed
-    return speed * by_speed + drive[col.LOAD_CONSTANT] + drive[col.PRESENT_LOAD]
+    return speed * by_speed + drive[col.PRESENT_LOAD]
 
 
 @kernel
@@ -167,22 +168,3 @@ def startup_torque(s: SystemArrays, speed: float) -> float:
 def running_torque(s: SystemArrays) -> float:
     """Friction that does not depend on speed (seal), against the direction. [N m]."""
     return s.drive[col.DIRECTION] * s.drive[col.RUNNING_FRICTION]
-
-
-@kernel
-def scheduled(schedule: Array, first: int, count: int, time: float) -> float:
-    """Value of the schedule in rows first to first + count at a time. Units of its column."""
-    last = first + count - 1
-    if time <= schedule[first, 0]:
-        return schedule[first, 1]
-    if time >= schedule[last, 0]:
-        return schedule[last, 1]
-    low, high = first, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if schedule[middle, 0] <= time:
-            low = middle
-        else:
-            high = middle
-    share = (time - schedule[low, 0]) / (schedule[high, 0] - schedule[low, 0])
-    return schedule[low, 1] + share * (schedule[high, 1] - schedule[low, 1])

@@ -19,10 +19,9 @@ from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
-from toothspace.model.circuit import update_elements
+from toothspace.model.circuit import add_elements
 from toothspace.model.contacts import by_shift_and_turn
 from toothspace.model.drive import add_coupling
-from toothspace.model.fluid_column import FLUID_COLUMN, add_column
 from toothspace.model.lateral_lookup import add_film_rates
 
 
@@ -200,26 +199,3 @@ def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
                     by_shift * along + by_turn * about
                 )
                 matrix[row, speed] += normal * by_speed + along * dragged
-
-
-@kernel
-def add_elements(s: SystemArrays, state: Array, t: float, matrix: Array) -> None:
-    """Derivatives of the flows of circuit elements with respect to the pressures at their ends."""
-    node, size = s.node, s.size
-    update_elements(s, state, t)
-    for j in range(s.elements.shape[0]):
-        element = s.elements[j]
-        if element[col.ELEMENT_KIND] == FLUID_COLUMN:
-            add_column(s, state, j, matrix)
-            continue
-        a, b = int(element[col.ELEMENT_A]), int(element[col.ELEMENT_B])
-        gas = node[a, col.GAS] if element[col.ELEMENT_FLOW] >= 0.0 else node[b, col.GAS]
-        for i, slope in ((a, element[col.ELEMENT_BY_A]), (b, element[col.ELEMENT_BY_B])):
-            d = s.dynamic_index[i]
-            if d < 0:
-                continue
-            change = slope * node[i, col.PRESSURE_BY_MASS]
-            matrix[s.balance[a, 0], size.mass + d] -= change
-            matrix[s.balance[b, 0], size.mass + d] += change
-            matrix[s.balance[a, 1], size.mass + d] -= gas * change
-            matrix[s.balance[b, 1], size.mass + d] += gas * change

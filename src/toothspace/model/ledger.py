@@ -8,9 +8,6 @@ which close to round-off.
 
 from __future__ import annotations
 
-PORT_NODES = ("inlet", "outlet", "drain", "load", "supply")
-"""Nodes after the chambers: three ports, the far side of a load, the tank of a supply pump."""
-
 FRICTION_MECHANISMS = (
     "journal_viscous",
     "journal_asperity",

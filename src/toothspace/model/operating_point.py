@@ -7,8 +7,9 @@ from typing import final
 
 import numpy as np
 
+from toothspace.circuit.loads import FreeShaft
+from toothspace.circuit.network import CircuitNetwork
 from toothspace.core.types import Array
-from toothspace.model.circuit_description import CircuitNetwork, FreeShaft
 
 
 @final
@@ -61,7 +62,7 @@ class OperatingCondition:
         """Prescribed shaft speed [rad/s] and torque of the load [N m], each over the time [s]."""
         if self.free_shaft is None:
             return self.speed_schedule, np.zeros((0, 2))
-        return self.speed_schedule, self.free_shaft.load_schedule
+        return self.speed_schedule, self.free_shaft.load_history
 
     def port_pressures(self, drain: str) -> Array:
         """Pressures of inlet, outlet and drain, joined to a port or outside. [Pa]."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.circuit.network import CircuitNetwork
 from toothspace.core.types import Array, IntArray
 from toothspace.model import arrays as col
-from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,

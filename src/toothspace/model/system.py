@@ -22,7 +22,12 @@ from toothspace.model.chambers import (
     update_pressures,
     update_volumes,
 )
-from toothspace.model.circuit import book_circuit, update_elements
+from toothspace.model.circuit import (
+    book_circuit,
+    fill_element_rates,
+    fill_element_weights,
+    update_elements,
+)
 from toothspace.model.contacts import (
     book_contacts,
     contact_gap,
@@ -40,7 +45,6 @@ from toothspace.model.drive import (
     update_fade,
     update_load,
 )
-from toothspace.model.fluid_column import fill_column_rates, fill_column_weights
 from toothspace.model.friction import book_friction, boundary_torque, mesh_force
 from toothspace.model.lateral_lookup import fill_film_rates, fill_film_weights, update_lateral_films
 from toothspace.model.ledger import (
@@ -136,7 +140,7 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
         carried = motion[k, col.MOTION_RATIO] * rate[1]
         rate[size.velocity + k] = motion_force(s, k) / motion[k, col.MOTION_MASS] - carried
     if size.core > size.column:
-        fill_column_rates(s, state, rate)
+        fill_element_rates(s, state, rate)
         fill_film_rates(s, state, rate)
         fill_load_rates(s, state, rate)
 
@@ -275,7 +279,7 @@ def fill_weights(s: SystemArrays, state: Array, weight: Array) -> None:
         weight[size.position + k] = 10.0 * tolerance * clearance
         weight[size.velocity + k] = 1000.0 * tolerance * clearance * max(abs(state[1]), 1.0)
     if size.core > size.column:
-        fill_column_weights(s, state, weight)
+        fill_element_weights(s, state, weight)
         fill_film_weights(s, weight)
         fill_load_weights(s, state, weight)
 

@@ -13,6 +13,7 @@ from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
+from toothspace.results.validity import temperatures_beyond
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -39,6 +40,7 @@ CUT_LIMIT = 0.5e-6
 """Depth to which tips may run against a wall, of the order of its roughness. [m]"""
 
 _BAR = 1e5
+_ANY = 0.0, math.inf
 _COMPARED = (
     "volumetric_efficiency",
     "hydromechanical_efficiency",
@@ -55,7 +57,9 @@ _PRESSURES = (
 )
 
 
-def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
+def with_warnings(
+    solution: Solution, highest_pressure: float, temperatures: tuple[float, float] = _ANY
+) -> Solution:
     """Solution whose warnings say what is outside the range of the models.
 
     Parameters
@@ -64,9 +68,12 @@ def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
         Result, complete or not.
     highest_pressure : float
         Pressure up to which the properties of the fluid are known. [Pa]
+    temperatures : tuple of float
+        Temperatures between which they are known. [K]
     """
     return solution.with_note(
         *_pressure(solution, highest_pressure),
+        *temperatures_beyond(solution, *temperatures),
         *_numbers(solution),
         *_bodies(solution),
         *_tips(solution.data),

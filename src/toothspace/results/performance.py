@@ -121,6 +121,8 @@ def drain_flow(data: xr.Dataset, ledger: Ledger) -> float:
 def _rise(data: xr.Dataset, heat: float, mass: float) -> float:
     if heat == 0.0:
         return 0.0
+    if mass < 0.0:
+        return float("nan")  # a stream that runs backwards brings no heat
     return _ratio(heat, mass * float(data["specific_heat_capacity"]))
 
 

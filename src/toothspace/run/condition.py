@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.circuit import ReliefValve
 from toothspace.case.conditions import FluidChoice, OperatingPoint
-from toothspace.case.lines import line_at_port
-from toothspace.case.plumbing import plumb, shaft_of, speed_of
+from toothspace.circuit.circuit import build_circuit
+from toothspace.circuit.loads import shaft_of, speed_of
+from toothspace.circuit.restrictions import ReliefValve
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import GasModel, fluid_law, highest_pressure
+from toothspace.model.fluid import GasModel, fluid_law, highest_pressure, temperature_range
 from toothspace.model.operating_point import OperatingCondition
 
 LINE_END = "line_end"
@@ -69,6 +69,11 @@ def known_pressure(case: Case) -> float:
     return highest_pressure(choice.source, choice.temperature)
 
 
+def known_temperatures(case: Case) -> tuple[float, float]:
+    """Temperatures between which the properties of the fluid of a case are known. [K]."""
+    return temperature_range(fluid_keys(case).source)
+
+
 def condition_of(
     case: Case, description: MachineDescription, fluid: FluidLaw | None = None
 ) -> OperatingCondition:
@@ -108,7 +113,7 @@ def _steady_condition(
         end = "supply" if motor else LINE_END if orifice else "load"
         pressure = point.inlet_pressure if motor else point.outlet_pressure
         volume = description.port_volumes[0 if motor else 1]
-        line = line_at_port(point.line, port, volume, pressure, end, fluid)
+        line = point.line.at_port(port, volume, pressure, end, fluid)
     return OperatingCondition(
         shaft_speed=point.shaft_speed,
         inlet_pressure=point.inlet_pressure,
@@ -128,10 +133,8 @@ def _circuit_condition(
     """Condition of a case with a circuit, at the pressure that it is expected to reach."""
     keys = case.circuit
     assert keys is not None
-    circuit, shaft, speed = plumb(keys, description, fluid), shaft_of(keys, description), None
-    if shaft is None:
-        speed = speed_of(keys)
-        assert speed is not None
+    circuit = build_circuit(keys, description.port_volumes, fluid)
+    shaft, speed = shaft_of(keys.elements.values()), speed_of(keys.elements.values())
     low = circuit.supply_pressure
     high = low + _expected_pressure(case, description)
     shaft_speed = keys.initial_shaft_speed if speed is None else float(speed[0, 1])
@@ -157,6 +160,6 @@ def _expected_pressure(case: Case, description: MachineDescription) -> float:
     relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]
     expected = max(relief, default=_EXPECTED_PRESSURE)
     startup = description.startup
-    if startup is None or startup.law == "interfaces" or speed_of(case.circuit) is not None:
+    if startup is None or startup.law == "interfaces" or speed_of(elements) is not None:
         return expected
     return min(expected, _BEYOND_BREAKAWAY * startup.torque / description.displacement)

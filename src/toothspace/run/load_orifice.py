@@ -36,7 +36,7 @@ from toothspace.model.assembly import System, node_places
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
-from toothspace.solver.accuracy import Assembled, march_to_balance
+from toothspace.solver.accuracy import march_to_balance
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.initial import start_state
@@ -45,7 +45,7 @@ LOAD_MATCH = 2e-3
 """Difference between reached and asked pressure drop that counts as none. [-]"""
 
 _ROUNDS = 10
-_EVERY = 16
+_EVERY = 32
 """Every so many of the dense states count to the mean pressure."""
 _SEARCHES = 3
 _LARGEST_CHANGE = 5.0
@@ -117,13 +117,13 @@ class OutletBalance:
 
 
 def march_against_orifice(
-    machine: Assembled, plan: RunPlan, last: History | None, progress: Progress | None
+    system: System, plan: RunPlan, last: History | None, progress: Progress | None
 ) -> tuple[History, str]:
     """March against a load orifice with which the mean outlet pressure is the asked one.
 
     Parameters
     ----------
-    machine : Assembled
+    system : System
         Machine at its operating point, without the area of its orifice.
     plan : RunPlan
         How long to march in every round.
@@ -139,46 +139,44 @@ def march_against_orifice(
     told : str
         What was not reached, and what to do; empty if nothing.
     """
+    wanted = system.condition.outlet_pressure - system.condition.load_pressure
     if last is not None:
-        area = last.system.condition.load_area
-        history, told = _sized(machine, area, plan, first_turn_state(last), progress)
+        loaded = system.at(load_area=last.system.condition.load_area)
+        history, told = _sized(loaded, wanted, plan, first_turn_state(last), progress)
         if not told:
             return history, told
-    held = _held(machine, machine.condition.outlet_pressure, plan, progress)
+    held = _held(system, system.condition.outlet_pressure, plan, progress)
     if held.status in CUT_SHORT:
         return held, ""
     balance = outlet_balance(held)
     if balance.delivered <= 0.0:
-        advice = _takes_back(machine, balance, plan, progress)
+        advice = _takes_back(system, balance, plan, progress)
         return replace(held, status=Status.NOT_REACHED), advice
-    area = first_area(held.system, balance)
-    state = _carried(held, _loaded(machine, area).at(machine.condition.relative_tolerance))
-    return _sized(machine, area, plan, state, progress)
+    loaded = system.at(load_area=first_area(held.system, balance))
+    return _sized(loaded, wanted, plan, _carried(held, loaded), progress)
 
 
 def _sized(
-    machine: Assembled, area: float, plan: RunPlan, state: Array, progress: Progress | None
+    system: System, wanted: float, plan: RunPlan, state: Array, progress: Progress | None
 ) -> tuple[History, str]:
-    """March, and size again until the pressure is the wanted one."""
-    wanted = machine.condition.outlet_pressure - machine.condition.load_pressure
+    """March, and size again until the pressure above that of the load is the wanted one. [Pa]."""
+    load_pressure = system.condition.load_pressure
     tried: list[tuple[float, float]] = []
     before: OutletBalance | None = None
     for done in range(_ROUNDS):
-        history = march_to_balance(_loaded(machine, area), plan, progress, state)
+        history = march_to_balance(system, plan, progress, state)
         balance = outlet_balance(history).after(before)
         if history.status in CUT_SHORT or balance.meets(wanted):
             return history, ""
+        found = format_si(balance.pressure + load_pressure, "bar")
         if done < _ROUNDS - 1:
+            area = system.condition.load_area
             tried.append((math.log(area), math.log(balance.change_of_area(wanted))))
-            area, before = math.exp(_following(tried)), balance
+            system, before = system.at(load_area=math.exp(_following(tried))), balance
             state = _pressed(history, wanted - balance.pressure)
-            found = format_si(balance.pressure + machine.condition.load_pressure, "bar")
             tell(progress, UNKNOWN, f"load orifice, {found} with its last area")
-    told = _MISSED.format(
-        found=format_si(balance.pressure + machine.condition.load_pressure, "bar"),
-        asked=format_si(machine.condition.outlet_pressure, "bar"),
-        match=100.0 * LOAD_MATCH,
-    )
+    asked = format_si(wanted + load_pressure, "bar")
+    told = _MISSED.format(found=found, asked=asked, match=100.0 * LOAD_MATCH)
     return replace(history, status=_missed(history.status)), told
 
 
@@ -197,28 +195,22 @@ def _missed(status: Status) -> Status:
     return Status.NOT_REACHED if status is Status.DONE else status
 
 
-def _loaded(machine: Assembled, area: float) -> Assembled:
-    return replace(machine, condition=replace(machine.condition, load_area=area))
-
-
-def _held(machine: Assembled, pressure: float, plan: RunPlan, progress: Progress | None) -> History:
+def _held(system: System, pressure: float, plan: RunPlan, progress: Progress | None) -> History:
     """March until cyclic with the outlet held at a pressure, and no line behind it."""
-    condition = machine.condition
-    circuit = condition.circuit if condition.load_node == "outlet" else None
-    held = replace(condition, outlet_pressure=pressure, circuit=circuit, load_node="outlet")
-    system = replace(machine, condition=held).at(condition.relative_tolerance)
+    circuit = system.condition.circuit if system.condition.load_node == "outlet" else None
+    held = system.at(outlet_pressure=pressure, circuit=circuit, load_node="outlet")
 
     def sizing(_: float, text: str) -> None:
         tell(progress, UNKNOWN, f"load orifice, {text}")
 
-    return march_revolutions(system, replace(plan, revolutions=None), sizing)
+    return march_revolutions(held, replace(plan, revolutions=None), sizing)
 
 
 def _takes_back(
-    machine: Assembled, balance: OutletBalance, plan: RunPlan, progress: Progress | None
+    system: System, balance: OutletBalance, plan: RunPlan, progress: Progress | None
 ) -> str:
     """What to say where nothing is delivered, with a pressure at which something is."""
-    condition = machine.condition
+    condition = system.condition
     least = max(condition.load_pressure + LEAST_LOAD, condition.inlet_pressure)
     holds, tried = 0.0, balance
     for _ in range(_SEARCHES):
@@ -228,7 +220,7 @@ def _takes_back(
         asked = _rounded_down(condition.load_pressure + _MARGIN * nothing)
         if asked < least:
             break
-        history = _held(machine, asked, plan, progress)
+        history = _held(system, asked, plan, progress)
         tried = outlet_balance(history)
         if tried.delivered > 0.0 and history.status not in CUT_SHORT:
             holds = asked

@@ -16,7 +16,7 @@ from toothspace.case.presets import ELASTIC
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
-from toothspace.model.assembly import assemble
+from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
@@ -25,7 +25,7 @@ from toothspace.run.interfaces import interface_models
 from toothspace.run.load_orifice import march_against_orifice
 from toothspace.run.running_in import Tracks, run_in
 from toothspace.run.seats import SeatSearch
-from toothspace.solver.accuracy import Assembled, march_to_balance
+from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -108,12 +108,12 @@ class Run:
             nonlocal last
             seats, settled = SeatSearch(machine), False
             while not settled:
-                assembled = Assembled(seats.machine, self.fluid, self.condition)
+                system = assemble(seats.machine, self.fluid, self.condition)
                 if orifice:
-                    history, told = march_against_orifice(assembled, plan, last, progress)
+                    history, told = march_against_orifice(system, plan, last, progress)
                 else:
                     state = None if last is None else first_turn_state(last)
-                    history, told = march_to_balance(assembled, plan, progress, state), ""
+                    history, told = march_to_balance(system, plan, progress, state), ""
                 last = history if history.status is Status.DONE else None
                 found = solution_from(history, self.provenance, self.values, case.title)
                 found = found.with_note(told)
@@ -149,9 +149,13 @@ class Run:
             max_steps=case.run.max_steps,
             channels=case.run.channels,
         )
-        march = TransientMarch(assemble(self.machine, self.fluid, self.condition), plan)
-        found = transient_solution(march, self.provenance, self.values, case.title, progress)
-        return self._marked(SeatSearch(self.machine).noted(found))
+
+        def solve(system: System) -> Solution:
+            march = TransientMarch(system, plan)
+            return transient_solution(march, self.provenance, self.values, case.title, progress)
+
+        system = assemble(self.machine, self.fluid, self.condition)
+        return self._marked(SeatSearch(self.machine).noted(solve_to_balance(system, solve)))
 
     def _marked(self, solution: Solution) -> Solution:
         """Solution that says where its machine is doubtful: places of bodies, a casing half cut."""

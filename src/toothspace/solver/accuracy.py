@@ -1,48 +1,27 @@
-"""Marches to a cyclic state whose energies balance, at the tolerance that this takes."""
+"""Runs whose energies balance, at the tolerance that this takes: cyclic ones, and over time."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import final
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
-from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.assembly import System, assemble
-from toothspace.model.description import MachineDescription
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.assembly import System
+from toothspace.results.solution import Solution
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.outcome import window_ledger
 
 ENERGY_BALANCE = 1e-5
-"""Largest energy error of a cyclic revolution. [-]"""
+"""Largest energy error of a cyclic revolution, or of a run over time. [-]"""
 
 _TIGHTER = 0.1
 _TIGHTEST = 1e-9
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class Assembled:
-    """A machine at an operating point, to be integrated at one tolerance or another."""
-
-    description: MachineDescription
-    """The machine."""
-    fluid: FluidLaw
-    """Fluid."""
-    condition: OperatingCondition
-    """Operating point, with the relative tolerance to begin with."""
-
-    def at(self, tolerance: float) -> System:
-        """System at a relative tolerance [-]."""
-        condition = replace(self.condition, relative_tolerance=tolerance)
-        return assemble(self.description, self.fluid, condition)
-
-
 def march_to_balance(
-    machine: Assembled, plan: RunPlan, progress: Progress | None = None, state: Array | None = None
+    system: System, plan: RunPlan, progress: Progress | None = None, state: Array | None = None
 ) -> History:
     """March until cyclic with energies that balance, tightening the tolerance for it.
 
@@ -51,7 +30,7 @@ def march_to_balance(
 
     Parameters
     ----------
-    machine : Assembled
+    system : System
         Machine at its operating point, with the tolerance to begin with.
     plan : RunPlan
         Most revolutions in all; a fixed number of them is marched at the tolerance given.
@@ -65,8 +44,8 @@ def march_to_balance(
     History
         The last revolution; its statistics count all steps and hold ``relative_tolerance``.
     """
-    tolerance = machine.condition.relative_tolerance
-    history = _counted(march_revolutions(machine.at(tolerance), plan, progress, state), tolerance)
+    tolerance = system.condition.relative_tolerance
+    history = _counted(march_revolutions(system, plan, progress, state), tolerance)
     while plan.revolutions is None:
         if history.status not in (Status.DONE, Status.NOT_REPEATING):
             break
@@ -78,11 +57,40 @@ def march_to_balance(
         if tolerance < _TIGHTEST or left < 2:
             break
         rest = replace(plan, max_revolutions=left)
-        again = march_revolutions(machine.at(tolerance), rest, progress, first_turn_state(history))
+        tighter = system.at(relative_tolerance=tolerance)
+        again = march_revolutions(tighter, rest, progress, first_turn_state(history))
         if repeats and again.status is not Status.DONE:
             break
         history = _counted(again, tolerance, history.statistics)
     return history
+
+
+def solve_to_balance(system: System, solve: Callable[[System], Solution]) -> Solution:
+    """Solution over time whose energies balance, solved again at a tighter tolerance for it.
+
+    Parameters
+    ----------
+    system : System
+        Machine in its circuit, with the tolerance to begin with.
+    solve : callable
+        Runs a system from its start.
+
+    Returns
+    -------
+    Solution
+        The last that was done; its statistics hold ``relative_tolerance``.
+    """
+    tolerance = system.condition.relative_tolerance
+    found = solve(system).with_note(relative_tolerance=tolerance)
+    while found.status is Status.DONE and found.ledger.energy_balance_error > ENERGY_BALANCE:
+        tolerance *= _TIGHTER
+        if tolerance < _TIGHTEST:
+            break
+        again = solve(system.at(relative_tolerance=tolerance))
+        if again.status is not Status.DONE:
+            break
+        found = again.with_note(relative_tolerance=tolerance)
+    return found
 
 
 def _counted(

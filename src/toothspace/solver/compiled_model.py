@@ -10,15 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toothspace.circuit.network import FLOW
 from toothspace.core.compiled import kernel, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
 from toothspace.model.carried_flows import carry_flows
 from toothspace.model.chambers import update_volumes
+from toothspace.model.circuit import stored_in_elements
 from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
-from toothspace.model.fluid_column import column_energy
 from toothspace.model.jacobian import fill_jacobian
 from toothspace.model.network import CLOSED_GAP
 from toothspace.model.system import (
@@ -233,7 +234,7 @@ def _value(task: int, s: SystemArrays, time: float, state: Array) -> float:
         update_load(s, time)
         held_torque(s, state)
     elif task == _MOVING_ENERGY:
-        return float(column_energy(s, state) + load_energy(s, state))
+        return float(stored_in_elements(s, state) + load_energy(s, state))
     elif task == _WALL_ENERGY:
         return float(_wall_energy(s, state))
     return 0.0
@@ -268,7 +269,7 @@ def _observe(s: SystemArrays, times: Array, states: Array, rate: Array, out: Obs
         for k in range(s.torque.size):
             out.torque[i, k] = s.torque[k]
         for k in range(s.elements.shape[0]):
-            out.element_flow[i, k] = s.elements[k, col.ELEMENT_FLOW]
+            out.element_flow[i, k] = s.elements[k, FLOW]
         for k in range(s.lateral.now.size):
             out.lateral[i, k] = s.lateral.now[k]
     s.drive[col.DIRECTION] = direction

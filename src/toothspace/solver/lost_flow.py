@@ -60,31 +60,34 @@ def shares(look: Look) -> Array:
 
 
 def path_leakage(look: Look, share: Array) -> tuple[Array, Array]:
-    """Mass flow from the high to the low side of every path, by pressure and by drag. [kg/s].
+    """Mass flow from the high to the low side by pressure and by drag, by category. [kg/s].
 
     A flow counts with the part of the way that it falls. What trapped chambers exchange with one
     another is no leakage.
 
     Returns
     -------
-    pressure, drag : ndarray, shape (samples, paths)
-        Their sum is all that a path leaks; drag against the pressure is negative.
+    pressure, drag : ndarray, shape (samples, categories)
+        Their sum is all that paths leak; drag against the pressure is negative.
     """
     system, seen = look.history.system, look.seen
-    first, second = system.arrays.path_index[:, col.NODE_A], seen.path_partner
-    fall = share[:, first] - np.take_along_axis(share, second, axis=1)
-    source = np.where(
-        seen.path_flow > 0.0,
-        seen.density[:, first],
-        np.take_along_axis(seen.density, second, axis=1),
+    index, kinds = system.arrays.path_index, len(system.categories)
+    leaks = np.array([category.role in LEAKAGES for category in system.categories])
+    counts = leaks[index[:, col.CATEGORY]] & (seen.path_flow != 0.0) & ~look.trapped
+    # few of all paths are open at a time
+    row, path = np.nonzero(counts)
+    first, second = index[path, col.NODE_A], seen.path_partner[row, path]
+    fall, flow = share[row, first] - share[row, second], seen.path_flow[row, path]
+    source = seen.density[row, np.where(flow > 0.0, first, second)]
+    walls = source * look.history.states[row, 1]
+    drag = walls * (seen.path_drag[row, path] - seen.path_carried[row, path])
+    pressure = flow - walls * seen.path_drag[row, path]
+    place, shape = row * kinds + index[path, col.CATEGORY], (len(seen.path_flow), kinds)
+    by_pressure, by_drag = (
+        np.bincount(place, values * fall, shape[0] * shape[1]).astype(float).reshape(shape)
+        for values in (pressure, drag)
     )
-    roles = np.array([category.role in LEAKAGES for category in system.categories])
-    counts = roles[system.arrays.path_index[:, col.CATEGORY]] & ~look.trapped
-    fall = np.where(counts & (seen.path_flow != 0.0), fall, 0.0)
-    walls = source * look.history.states[:, 1:2]
-    drag = walls * (seen.path_drag - seen.path_carried)
-    pressure = seen.path_flow - walls * seen.path_drag
-    return pressure * fall, drag * fall
+    return by_pressure, by_drag
 
 
 def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
@@ -110,13 +113,12 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     leakage = path_leakage(close, share)
     density = _density(system, seen)
     scale = 1.0 / (density * (times[-1] - times[0]))
-    kinds = system.arrays.path_index[:, col.CATEGORY]
     parts: dict[str, float] = {}
     for name, flows in zip((PRESSURE, DRAG), leakage, strict=True):
         masses = np.asarray(np.trapezoid(flows, times, axis=0))
         for k, category in enumerate(system.categories):
             if category.role in LEAKAGES:
-                parts[name + category.name] = scale * float(masses[kinds == k].sum())
+                parts[name + category.name] = scale * float(masses[k])
     liquid, gas = _kept_masses(system, seen, share, density)
     parts[COMPRESSION], parts[GAS] = scale * liquid, scale * gas
     parts[PORT_VOLUMES] = scale * _kept_at_port(history)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.circuit.network import END_A, END_B, PORT_NODES
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
@@ -16,7 +17,7 @@ from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
-from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
     LEAKAGES,
@@ -67,7 +68,7 @@ def solution_from(
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
     ledger = window_ledger(history).with_trapping(close.trapped_losses())
     constants = constants_of(system, ports)
-    leaked = path_leakage(samples, shares(samples))
+    by_pressure, by_drag = path_leakage(samples, shares(samples))
     values = {
         **ports,
         **constants,
@@ -81,7 +82,8 @@ def solution_from(
         **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
-        "leakage": _by_path(system, sum(leaked) / seen.density[:, [system.description.inlet_node]]),
+        "leakage": (by_pressure + by_drag)[:, _leaking(system)]
+        / seen.density[:, [system.description.inlet_node]],
         "equivalent_leakage": _equivalent_leakage(system, seen),
         "drain_flow_rate": _drain_flow_rate(system, seen),
         # at the shaft, of walls that drag fluid to higher pressure
@@ -359,8 +361,8 @@ def _leaving(system: System, seen: Observation, node: int) -> Array:
     arrays = system.arrays
     flow = np.zeros(seen.path_flow.shape[0])
     for j, element in enumerate(arrays.elements):
-        flow += seen.element_flow[:, j] * (element[col.ELEMENT_A] == node)
-        flow -= seen.element_flow[:, j] * (element[col.ELEMENT_B] == node)
+        flow += seen.element_flow[:, j] * (element[END_A] == node)
+        flow -= seen.element_flow[:, j] * (element[END_B] == node)
     for j, index in enumerate(arrays.path_index):
         if system.categories[index[col.CATEGORY]].role in ("circuit", "load"):
             flow += seen.path_flow[:, j] * (index[col.NODE_A] == node)
@@ -502,9 +504,12 @@ def _drain_flow_rate(system: System, seen: Observation) -> Array:
 
 def _by_path(system: System, values: Array) -> Array:
     """Sum over all paths of the same kind, shape (samples, kinds)."""
-    kinds = [system.categories.index(category) for category in leakage_categories(system)]
-    members = system.arrays.path_index[:, [col.CATEGORY]] == np.array(kinds)
-    return np.asarray(values @ members.astype(float))
+    category = system.arrays.path_index[:, col.CATEGORY]
+    return np.stack([values[:, category == k].sum(axis=1) for k in _leaking(system)], axis=1)
+
+
+def _leaking(system: System) -> list[int]:
+    return [system.categories.index(category) for category in leakage_categories(system)]
 
 
 def leakage_categories(system: System) -> list[PathCategory]:

@@ -118,7 +118,7 @@ class TransientMarch:
     def _kinks(self, begin: float, end: float) -> list[float]:
         speed = self.system.condition.speed_schedule
         circuit = self.system.condition.circuit
-        tables = [e.schedule for e in circuit.elements] if circuit else []
+        tables = [e.history for e in circuit.elements] if circuit else []
         knots = np.unique(np.concatenate([table[:, 0] for table in (speed, *tables)]))
         if knots.size > _KINKS:
             knots = np.unique(speed[:, 0])

@@ -108,14 +108,14 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     seen = observe(system.arrays, states, times)
     sign = -1.0 if system.description.mode == "motor" else 1.0
     ports, circuit = outcome.port_values(history, seen), system.condition.circuit
-    pumps = [e for e in circuit.elements if e.kind == "supply_pump"] if circuit else []
+    pumps = [e for e in circuit.elements if e.supplies] if circuit else []
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
         ports["shaft_torque"] = np.where(states[:, 1] == 0.0, 0.0, ports["shaft_torque"])
     return {
         **ports,
         **_load_values(system, times, states),
-        "supply_speed": np.interp(times, *pumps[0].schedule.T) if pumps else np.zeros(times.size),
+        "supply_speed": np.interp(times, *pumps[0].history.T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
         "node_pressure": seen.pressure[:, list(_nodes(system).values())],
         **outcome.chamber_values(system, seen),
@@ -144,9 +144,9 @@ def _load(system: System, times: Array, speed: Array) -> Array:
     if shaft is None:
         return np.zeros(times.size)
     torque = shaft.linear * speed + shaft.square * speed * abs(speed)
-    torque += shaft.cubic * speed**3 + shaft.constant
-    if len(shaft.load_schedule):
-        torque += np.interp(times, *shaft.load_schedule.T)
+    torque += shaft.cubic * speed**3
+    if len(shaft.load_history):
+        torque += np.interp(times, *shaft.load_history.T)
     return np.asarray(torque)
 
 

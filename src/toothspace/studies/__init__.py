@@ -13,8 +13,7 @@ variation      values of varied keys: grids, samples, distributions
 tabulate       records of points as datasets, lists and tables
 measured       measured columns
 least_squares  fits within bounds
-lateral_points operating points of a floating bearing
-stored_point   one of them on disk
+bearing_points operating points of a floating bearing, in memory and on disk
 reduce         tables of films for the lumped preset
 ============== ============================================================
 

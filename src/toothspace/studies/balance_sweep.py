@@ -16,7 +16,6 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from toothspace.case import Case
-from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.keys import (
     KeyTable,
@@ -33,16 +32,24 @@ from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.floating.motion import Balance
 from toothspace.floating.problem import LateralProblem, lateral_problem
 from toothspace.model.floating_bearing import HousingContact
-from toothspace.plotting.bearing_figures import balance_figures
+from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure, styled
 from toothspace.results.summary_names import unit_of
+from toothspace.studies.bearing_points import (
+    LateralPoints,
+    PointCondition,
+    film_numbers,
+    point_key,
+    prepare,
+)
 from toothspace.studies.keys import PRESSURE
-from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record
-from toothspace.studies.stored_point import point_key
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 GAPS = (
     np.array([0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.3, 2.7, 3.2, 4, 5, 7, 10, 14, 20]) * 1e-6
@@ -59,6 +66,15 @@ _TABULATED = (
     "leakage_L_per_min",
     "torque_loss_N_m",
 )
+_EFFECTS = (
+    ("smallest_film_um", "Smallest film (µm)"),
+    ("contact_force_N", "Load on asperities (N)"),
+    ("leakage_L_per_min", "Lateral leakage (L/min)"),
+    ("torque_loss_N_m", "Lateral torque loss (N m)"),
+)
+_NAMES_WIDTH = 0.1
+"""Room for the names of claims beside the lines, over the range of ratios. [-]"""
+_CLAIM_TEXT = ("rises", "stays higher", "on its film")
 _FINE = np.geomspace(GAPS[0], GAPS[-1], 6000)
 _PLANE_GAP = 5e-6
 _PLANE_ANGLES = 16
@@ -125,6 +141,12 @@ class FilmTable:
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
+    """Follow the outlet pressures of a case for every balanced area and friction coefficient."""
+    assert isinstance(case.study, BalanceSweepStudy)
+    return solve(case, case.study, context)
+
+
+def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyResult:
     """Follow the outlet pressures for every balanced area and every friction coefficient.
 
     Returns
@@ -137,9 +159,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     CaseError
         If the case has no operating point or no floating bearing.
     """
-    study = case.study
-    if not isinstance(study, BalanceSweepStudy):
-        raise CaseError("study.kind", "another study", '"balance_sweep"')
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
     return StudyResult(
@@ -161,7 +180,7 @@ def film_tables(
         If the case has no operating point or no floating bearing.
     """
     # a coefficient of one leaves the force that presses the bearing against the wall
-    points = prepare(case, HousingContact(friction_coefficient=1.0), "balance_sweep")
+    points = prepare(case, HousingContact(friction_coefficient=1.0))
     levels = sorted(set(study.outlet_pressures))
     found = []
     for k, pressure in enumerate(levels):
@@ -387,4 +406,116 @@ def _table(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) 
     return StudyTable("ratios", (*head, *CLAIMS, *points), tuple(rows))
 
 
-STUDY = Study(BalanceSweepStudy, run, balance_figures)
+def figures(data: xr.Dataset) -> list[StudyFigure]:
+    """Return gaps with claims over the balance ratio, and sensitivities to area and friction."""
+    found = []
+    for k, mu in enumerate(data["friction_coefficient"].values):
+        caption = (
+            f"Gap at every point over the balance ratio with a housing friction of {mu:g}. Full "
+            "lines: up; broken lines: down. Bars: ratios at which each claim of the source holds."
+        )
+        one = data.isel(friction_coefficient=k)
+        found.append(StudyFigure(f"balance_window_{k + 1}", caption, balance_window(one)))
+    caption = (
+        "Films on the way up over the balanced area, one colour per outlet pressure: the more "
+        "area, the closer the bearing runs, until asperities carry."
+    )
+    found.append(StudyFigure("area_sensitivity", caption, area_sensitivity(data)))
+    if data.sizes["friction_coefficient"] > 1:
+        caption = (
+            "Loop area and gap at the highest pressure over the ratio, by housing friction, as far "
+            "as the bearing does not lift off."
+        )
+        found.append(StudyFigure("friction_sensitivity", caption, friction_sensitivity(data)))
+    return found
+
+
+@styled
+def balance_window(data: xr.Dataset) -> Figure:
+    """Gaps over the balance ratio, and bars where each claim holds, of one friction."""
+    figure = new_figure(7.2, 3.4)
+    window_on(figure.subplots(), data)
+    return figure
+
+
+def window_on(axes: Axes, data: xr.Dataset) -> None:
+    """Draw the window of one friction coefficient into given axes."""
+    ratio, gaps = data["balance_ratio"].values, data["gap_um"].values
+    count = gaps.shape[-1]
+    top = count // 2
+    lifted = float(data.attrs["lifted_gap_um"])
+    for k, color in zip(range(top + 1), _cycle(top + 1), strict=True):
+        back = count - 1 - k
+        label = f"point {k + 1} and {back + 1}" if back != k else f"point {k + 1}"
+        axes.plot(ratio, gaps[:, k], color=color, label=label)
+        axes.plot(ratio, gaps[:, back], "--", color=color)
+    axes.axhline(lifted, color=GREY, lw=0.8, ls=":")
+    low = 0.9 * float(np.nanmin(gaps))
+    for row, (held, text) in enumerate(zip(data["claim_holds"].values, _CLAIM_TEXT, strict=True)):
+        height = low * 0.86 ** (row + 1)
+        axes.plot(ratio, np.where(held, height, np.nan), lw=3, color=GREEN, solid_capstyle="butt")
+        axes.text(ratio[0], height, f"{text} ", fontsize=6, ha="right", va="center")
+    axes.set_xlim(ratio[0] - _NAMES_WIDTH * (ratio[-1] - ratio[0]), ratio[-1])
+    axes.set_ylim(low * 0.6, None)
+    _decades(axes)
+    axes.set_xlabel("Balanced area over the area that plane films carry")
+    axes.set_ylabel("Gap of rigid faces (µm)")
+    axes.legend(fontsize=7)
+
+
+def _decades(axes: Axes) -> None:
+    """Logarithmic heights with a few plain numbers beside them."""
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    ticks = [t for t in (0.2, 0.5, 1, 2, 3, 5, 10, 20, 50) if low <= t <= high]
+    axes.set_yticks(ticks, labels=[f"{t:g}" for t in ticks])
+    axes.minorticks_off()
+
+
+def _cycle(count: int) -> Sequence[str]:
+    colours = (BLUE, ORANGE, GREY, INK, *CYCLE)
+    return [colours[k % len(colours)] for k in range(count)]
+
+
+@styled
+def area_sensitivity(data: xr.Dataset) -> Figure:
+    """Films on the way up over the balance ratio at the first friction coefficient."""
+    figure = new_figure(7.2, 5.4)
+    one = data.isel(friction_coefficient=0)
+    pressure = one["outlet_pressure_bar"].values
+    top = int(np.argmax(pressure))
+    for axes, (name, label) in zip(figure.subplots(2, 2, sharex=True).flat, _EFFECTS, strict=True):
+        for k, color in zip(range(top + 1), _cycle(top + 1), strict=True):
+            values = one[name].values[:, k]
+            axes.plot(one["balance_ratio"], values, color=color, label=f"{pressure[k]:.4g} bar")
+        axes.set_ylabel(label)
+    _decades(figure.axes[0])
+    figure.axes[0].legend(fontsize=7)
+    for axes in figure.axes[2:]:
+        axes.set_xlabel("Balance ratio")
+    return figure
+
+
+@styled
+def friction_sensitivity(data: xr.Dataset) -> Figure:
+    """Loop area and gap at the highest pressure over the ratio, one line per friction."""
+    figure = new_figure(7.2, 3.2)
+    left, right = figure.subplots(1, 2)
+    top = int(np.argmax(data["outlet_pressure_bar"].values))
+    for k, mu in enumerate(data["friction_coefficient"].values):
+        color = CYCLE[k % len(CYCLE)]
+        one = data.isel(friction_coefficient=k)
+        left.plot(one["balance_ratio"], one["loop_area_um_bar"], color=color, label=f"{mu:g}")
+        on_film = np.isfinite(one["film_height_um"].values[:, top])
+        gap = np.where(on_film, one["gap_um"].values[:, top], np.nan)
+        right.plot(one["balance_ratio"], gap, color=color, label=f"{mu:g}")
+    left.set_ylabel("Loop area (µm bar)")
+    right.set_ylabel("Gap at the highest pressure (µm)")
+    _decades(right)
+    for axes in (left, right):
+        axes.set_xlabel("Balance ratio")
+    left.legend(title="Housing friction", fontsize=7)
+    return figure
+
+
+STUDY = Study(BalanceSweepStudy, run, figures)

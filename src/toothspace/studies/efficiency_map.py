@@ -242,13 +242,13 @@ def characteristics(data: xr.Dataset) -> Figure:
         for k in spread(data.sizes["shaft_speed"]):
             speed = float(data["shaft_speed"][k]) * _RPM
             axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
-        _lay_over(axes, data, name)
+        _overlay(axes, data, name)
         axes.set(xlabel="Pressure difference (bar)", ylabel=axis_title(name))
     panels[1].legend()
     return figure
 
 
-def _lay_over(axes: Axes, data: xr.Dataset, name: str) -> None:
+def _overlay(axes: Axes, data: xr.Dataset, name: str) -> None:
     """Measured points in the colour of the nearest shaft speed that is shown."""
     if f"measured_{name}" not in data:
         return

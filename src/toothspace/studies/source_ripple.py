@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.lines import characteristic_impedance
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, QuantityKey, grid, integer
 from toothspace.core.types import Array
@@ -155,7 +154,7 @@ def _dataset(
     assert operating.line is not None
     is_motor = getattr(case.machine, "mode", "") == "motor"
     pressure = operating.inlet_pressure if is_motor else operating.outlet_pressure
-    line = characteristic_impedance(operating.line, pressure, api.fluid_of(case))
+    line = operating.line.characteristic_impedance(pressure, api.fluid_of(case))
     harmonic = np.arange(1.0, study.harmonics + 1)
     order = int(good[0].numbers["teeth"]) * harmonic
     curves: dict[str, tuple[Array, str]] = {

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.circuit import PumpMap
-from toothspace.case.plumbing import history
+from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, grid, integer
 from toothspace.core.units import from_si
@@ -86,7 +85,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         found = "no [circuit] with a pump_map"
         raise CaseError("study.kind", found, "a circuit with a supply").in_file(str(case.source))
     name, pump = next(iter(pumps.items()))
-    supply = history(pump, "speed", "rpm")
+    supply = pump.speed_over_time
     speeds = study.plateau_speed or (float(supply[:, 1].max()),)
     pitch = 2.0 * math.pi / api.describe(case).families[0].count
     angles = [k * pitch / study.start_angle_count for k in range(study.start_angle_count)]

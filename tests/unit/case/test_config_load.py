@@ -9,15 +9,18 @@ from pathlib import Path
 import pytest
 
 from toothspace.case import Case, load_case
-from toothspace.case.circuit import Fan, Hose, PumpMap, ReliefValve, Tank
 from toothspace.case.document import document_text, parse_document
 from toothspace.case.presets import PRESETS
+from toothspace.circuit.lines import Hose
+from toothspace.circuit.loads import Fan
+from toothspace.circuit.pumps import PumpMap
+from toothspace.circuit.restrictions import ReliefValve
+from toothspace.circuit.stores import Tank
 from toothspace.core.errors import CaseError
+from toothspace.studies.bearing_path import HysteresisStudy, NosePressureStudy
 from toothspace.studies.calibrate import CalibrateStudy
 from toothspace.studies.contact_span import ContactSpanStudy
 from toothspace.studies.efficiency_map import EfficiencyMapStudy
-from toothspace.studies.hysteresis import HysteresisStudy
-from toothspace.studies.nose_pressure import NosePressureStudy
 from toothspace.studies.sweep import SweepStudy
 
 REPOSITORY = Path(__file__).resolve().parents[3]

@@ -179,3 +179,10 @@ def test_one_tank_that_gives_and_takes_shows_both() -> None:
     mass = solution.ledger.mass
     assert mass["outlet"] == pytest.approx(mass["inlet"], rel=0.2)
     assert solution.data["node_pressure"].sizes["node"] == 2
+
+
+def test_a_run_whose_energies_do_not_balance_is_made_at_a_tighter_tolerance() -> None:
+    case = motor(PLACES["outlet"], {"x": {"kind": "orifice", **RESTRICTIONS["orifice"]}})
+    solution = api.simulate(case.replace({"run.relative_tolerance": 1e-5}))
+    check(solution)
+    assert solution.statistics["relative_tolerance"] < 1e-5

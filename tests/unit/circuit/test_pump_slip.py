@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from toothspace.case.circuit import EfficiencyLine, PumpMap, RatedPoint
+from toothspace.circuit.pumps import EfficiencyLine, PumpMap, RatedPoint
 from toothspace.core.errors import CaseError
 
 RPM = 2.0 * math.pi / 60.0

@@ -31,11 +31,10 @@ from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
 from toothspace.report.study import study_report_html
 from toothspace.report.wording import quantity
-from toothspace.studies import balance_sweep, bearing_map, hysteresis, study_figures
+from toothspace.studies import balance_sweep, bearing_path, study_figures
 from toothspace.studies.balance_sweep import GAPS, BalanceSweepStudy, FilmTable, claims, follow
-from toothspace.studies.bearing_map import BearingMapStudy
-from toothspace.studies.hysteresis import HysteresisStudy, friction_curves
-from toothspace.studies.stored_point import stored_point
+from toothspace.studies.bearing_path import BearingMapStudy, HysteresisStudy, friction_curves
+from toothspace.studies.bearing_points import stored_point
 from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -138,16 +137,16 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
     case = load_case(CASES / "bearing_map.toml")
     assert isinstance(case.study, BearingMapStudy)
 
-    names = [name for name in bearing_map.point_numbers(_coupled()) if name != "status"]
+    names = [name for name in bearing_path.point_numbers(_coupled()) if name != "status"]
 
-    def numbers(own: bearing_map.BearingNumbers, one: Any) -> dict[str, Any]:
+    def numbers(own: bearing_path.BearingNumbers, one: Any) -> dict[str, Any]:
         assert own.start_gap == pytest.approx(2e-6)
         point = one.operating_point
         film = point.shaft_speed / (1.0 + 1e-5 * point.outlet_pressure)
         return {**dict.fromkeys(names, film), "status": "done"}
 
-    monkeypatch.setattr(bearing_map.BearingNumbers, "__call__", numbers)
-    result = bearing_map.run(case, StudyContext())
+    monkeypatch.setattr(bearing_path.BearingNumbers, "__call__", numbers)
+    result = bearing_path.run(case, StudyContext())
     assert result.status is Status.DONE
     assert result.data["smallest_film_um"].shape == (4, 4)
     speed, pressure = result.data["shaft_speed"].values[2], result.data["outlet_pressure"].values[3]
@@ -187,7 +186,7 @@ def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:
 
 
 def test_films_of_a_run_are_drawn_on_both_sides() -> None:
-    study = hysteresis.LateralStudy(conditions(20e5), (stored_point(_coupled()),))
+    study = bearing_path.LateralStudy(conditions(20e5), (stored_point(_coupled()),))
     one = study.dataset().isel(point=0)
     figure = lateral_films(cast(Any, SimpleNamespace(data=one)))
     maps = [axes for axes in figure.axes if axes.collections and axes.get_xlabel() == ""]
@@ -237,7 +236,7 @@ def test_measured_positions_are_corrected_for_the_sensor(tmp_path: Path) -> None
         "operating_point.outlet_pressure [bar], relative_position_um [um]\n20, 5\n40, 5.5\n20, 5.2",
         encoding="utf-8",
     )
-    beside = hysteresis.lay_over(hysteresis.read_positions(path), 0.01e-6 / 1e5)
+    beside = bearing_path.overlay(bearing_path.read_positions(path), 0.01e-6 / 1e5)
     assert beside["measured_outlet_pressure_bar"].values == pytest.approx([20, 40, 20])
     # relative to the first row, and the sensor moved away by 0.01 um/bar
     assert beside["measured_relative_position_um"].values == pytest.approx([0.0, 0.7, 0.2])
@@ -247,7 +246,7 @@ def test_measured_positions_of_other_columns_are_refused(tmp_path: Path) -> None
     path = tmp_path / "bench.csv"
     path.write_text("operating_point.outlet_pressure [bar], mean_torque_N_m [N m]\n20, 5\n")
     with pytest.raises(CaseError, match="allowed operating_point"):
-        hysteresis.read_positions(path)
+        bearing_path.read_positions(path)
 
 
 def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -257,10 +256,10 @@ def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path
     rows = "\n".join(f"{p}, {x}" for p, x in zip((20, 40, 20), (0, 1, 0.5), strict=True))
     path.write_text(f"operating_point.outlet_pressure [bar], relative_position_um [um]\n{rows}\n")
     point = stored_point(_coupled())
-    study = hysteresis.LateralStudy(conditions(20e5, 40e5, 20e5), (point,) * 3)
-    monkeypatch.setattr(hysteresis, "follow_pressures", lambda *_: study)
+    study = bearing_path.LateralStudy(conditions(20e5, 40e5, 20e5), (point,) * 3)
+    monkeypatch.setattr(bearing_path, "solve_path", lambda *_: study)
     case = replace(case, study=replace(case.study, measured=path))
-    result = hysteresis.run(case, StudyContext())
+    result = bearing_path.run(case, StudyContext())
     assert result.numbers["deviation_um"] == pytest.approx([0.0, -1.0, -0.5])
     assert result.numbers["rms_deviation_um"] == pytest.approx(np.sqrt(1.25 / 3.0))
     assert isinstance(result.data, xr.Dataset)
@@ -280,7 +279,7 @@ def test_friction_curves_peak_at_their_breakaway_speed() -> None:
     peaks = curves["friction_curve_breakaway_speed_mm_per_s"].values
     assert velocity[np.argmax(force, axis=1)] == pytest.approx(peaks, rel=0.06)
     assert force == pytest.approx(-force[:, ::-1], rel=1e-12, abs=1e-9)
-    study = hysteresis.LateralStudy(conditions(20e5), (stored_point(_coupled()),))
+    study = bearing_path.LateralStudy(conditions(20e5), (stored_point(_coupled()),))
     figures = study_figures("hysteresis", study.dataset().merge(curves))
     assert "friction_law" in [figure.name for figure in figures]
     assert not friction_curves(replace(contact, friction_coefficient=0.0), 0.0).data_vars

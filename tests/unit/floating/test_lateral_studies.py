@@ -21,14 +21,18 @@ from toothspace.floating.coupling import CoupledPoint
 from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.report.study import study_report_html
 from toothspace.run.run import Run
-from toothspace.studies import hysteresis, lateral_points, run_study, study_figures
+from toothspace.studies import bearing_path, bearing_points, run_study, study_figures
 from toothspace.studies.balance_sweep import BalanceSweepStudy
-from toothspace.studies.bearing_map import BearingMapStudy
-from toothspace.studies.hysteresis import HysteresisStudy
-from toothspace.studies.lateral_points import LateralStudy, PointCondition
-from toothspace.studies.nose_pressure import NosePressureStudy
+from toothspace.studies.bearing_path import BearingMapStudy, HysteresisStudy, NosePressureStudy
+from toothspace.studies.bearing_points import (
+    LateralStudy,
+    PointCondition,
+    StoredPoint,
+    record_of,
+    recorded_point,
+    stored_point,
+)
 from toothspace.studies.records import Record, Records
-from toothspace.studies.stored_point import StoredPoint, record_of, recorded_point, stored_point
 from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -82,9 +86,9 @@ def test_loop_area_is_positive_where_the_bearing_stays_away(study: LateralStudy)
     x = [p.numbers.position for p in study.points]
     p = np.array(UP_AND_DOWN)
     by_hand = np.trapezoid(x[2:][::-1], p[2:][::-1]) - np.trapezoid(x[:3], p[:3])
-    assert hysteresis.loop_area(study) == pytest.approx(by_hand, rel=1e-12)
+    assert bearing_path.loop_area(study) == pytest.approx(by_hand, rel=1e-12)
     assert by_hand > 0.0
-    free = hysteresis.loop_area(_study(UP_AND_DOWN, 0.0))
+    free = bearing_path.loop_area(_study(UP_AND_DOWN, 0.0))
     assert abs(free) < 0.02 * by_hand
 
 
@@ -167,11 +171,11 @@ class _Chain:
 def loop(study: LateralStudy, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     def run(records: Records, last: int = 99) -> tuple[_Chain, tuple[StoredPoint, ...]]:
         chain = _Chain(study.points, last)
-        monkeypatch.setattr(lateral_points, "stored_point", lambda point: point)
+        monkeypatch.setattr(bearing_points, "stored_point", lambda point: point)
         asked = conditions(*UP_AND_DOWN)
         keys = [f"key {k}" for k in range(len(asked))]
         context = StudyContext(records=records)
-        return chain, lateral_points.follow(cast(Any, chain), asked, 1e-6, context, keys)
+        return chain, bearing_points.follow(cast(Any, chain), asked, 1e-6, context, keys)
 
     return run
 
@@ -208,11 +212,11 @@ def test_loop_asks_for_as_many_rounds_as_its_case(
         asked.append((points.rounds, rest[-1][0]))
         return study.points[:1]
 
-    monkeypatch.setattr(hysteresis, "follow", follow)
+    monkeypatch.setattr(bearing_path, "follow", follow)
     monkeypatch.setattr(Run, "worn", lambda run: run)
     for rounds in (1, 6):
         own = replace(case.study, coupling_rounds=rounds)  # type: ignore[type-var]
-        found = hysteresis.follow_pressures(replace(case, study=own))
+        found = bearing_path.solve_path(replace(case, study=own))
         assert found.status is Status.INTERRUPTED
     assert [one for one, _ in asked] == [1, 6]
     # points of one number of rounds are none of another

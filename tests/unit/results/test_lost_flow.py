@@ -46,7 +46,7 @@ def exchange_in_the_mesh(close: Look) -> float:
     fall = share[:, first] - np.take_along_axis(share, seen.path_partner, axis=1)
     inside = np.array([c.role not in ("load", "circuit") for c in system.categories])
     flows = np.where(inside[system.arrays.path_index[:, col.CATEGORY]], seen.path_flow * fall, 0.0)
-    exchanged = float(np.trapezoid((flows - leakage[0] - leakage[1]).sum(axis=1), times))
+    exchanged = float(np.trapezoid(flows.sum(axis=1) - sum(leakage).sum(axis=1), times))
     volume, inner = seen.volume[:, :chambers], share[:, :chambers]
     swept = float(np.sum(0.5 * (inner[1:] + inner[:-1]) * np.diff(volume, axis=0)))
     turned = float(history.states[-1, 0] - history.states[0, 0])

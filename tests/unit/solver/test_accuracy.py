@@ -11,10 +11,11 @@ import pytest
 
 from tests.toy_machine import toy_machine
 from toothspace.core.status import Status
+from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver import accuracy, cyclic
-from toothspace.solver.accuracy import Assembled, march_to_balance
+from toothspace.solver.accuracy import march_to_balance
 from toothspace.solver.cyclic import History, RunPlan
 
 Answers = dict[float, tuple[Status, float]]
@@ -22,12 +23,12 @@ Answers = dict[float, tuple[Status, float]]
 
 
 @pytest.fixture
-def machine() -> Assembled:
+def machine() -> System:
     condition = OperatingCondition(
         shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
     )
     law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-    return Assembled(toy_machine(), law, condition)
+    return assemble(toy_machine(), law, condition)
 
 
 @pytest.fixture
@@ -59,7 +60,7 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[Answers], list[tuple[
 
 
 def test_a_run_that_balances_is_marched_once(
-    machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
+    machine: System, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
     asked = answered({-6: (Status.DONE, 1e-6)})
     history = march_to_balance(machine, RunPlan(max_revolutions=40))
@@ -70,7 +71,7 @@ def test_a_run_that_balances_is_marched_once(
 @pytest.mark.parametrize("first", [(Status.DONE, 5e-5), (Status.NOT_REPEATING, 1.0)])
 def test_the_tolerance_follows_energies_and_stalled_revolutions(
     first: tuple[Status, float],
-    machine: Assembled,
+    machine: System,
     answered: Callable[[Answers], list[tuple[float, int]]],
 ) -> None:
     asked = answered({-6: first, -7: (Status.DONE, 1e-6)})
@@ -83,7 +84,7 @@ def test_the_tolerance_follows_energies_and_stalled_revolutions(
 
 
 def test_revolutions_that_still_come_closer_keep_the_tolerance(
-    machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
+    machine: System, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
     asked = answered({-6: (Status.NOT_CYCLIC, 1.0)})
     assert march_to_balance(machine, RunPlan(max_revolutions=40)).status is Status.NOT_CYCLIC
@@ -91,7 +92,7 @@ def test_revolutions_that_still_come_closer_keep_the_tolerance(
 
 
 def test_a_fixed_number_of_revolutions_is_marched_as_asked(
-    machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
+    machine: System, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
     asked = answered({-6: (Status.DONE, 1e-3)})
     march_to_balance(machine, RunPlan(revolutions=3))
@@ -99,7 +100,7 @@ def test_a_fixed_number_of_revolutions_is_marched_as_asked(
 
 
 def test_a_cyclic_result_is_kept_where_the_tighter_march_fails(
-    machine: Assembled, answered: Callable[[Answers], list[tuple[float, int]]]
+    machine: System, answered: Callable[[Answers], list[tuple[float, int]]]
 ) -> None:
     answered({-6: (Status.DONE, 5e-5), -7: (Status.STEP_TOO_SMALL, 1.0)})
     history = march_to_balance(machine, RunPlan(max_revolutions=40))
@@ -108,11 +109,11 @@ def test_a_cyclic_result_is_kept_where_the_tighter_march_fails(
 
 
 def test_revolutions_that_never_agree_end_before_the_last_with_their_own_advice(
-    machine: Assembled, monkeypatch: pytest.MonkeyPatch
+    machine: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cyclic, "_difference", lambda *_: 5.0)
     plan = RunPlan(max_revolutions=40, samples_per_revolution=36)
-    history = cyclic.march_revolutions(machine.at(1e-4), plan)
+    history = cyclic.march_revolutions(machine.at(relative_tolerance=1e-4), plan)
     assert history.status is Status.NOT_REPEATING
     assert history.revolutions < 40
     assert "run.revolutions" in history.status.value

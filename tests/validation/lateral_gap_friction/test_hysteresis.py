@@ -10,8 +10,8 @@ import pytest
 
 from toothspace.case import load_case
 from toothspace.core.status import Status
-from toothspace.studies.hysteresis import HysteresisStudy, follow_pressures, loop_area
-from toothspace.studies.lateral_points import LateralStudy
+from toothspace.studies.bearing_path import HysteresisStudy, loop_area, solve_path
+from toothspace.studies.bearing_points import LateralStudy
 
 CASES = Path(__file__).parents[3] / "cases"
 REST = 1e-9
@@ -20,7 +20,7 @@ REST = 1e-9
 def _study(name: str, **changes: object) -> LateralStudy:
     case = load_case(CASES / f"{name}.toml")
     assert isinstance(case.study, HysteresisStudy)
-    return follow_pressures(replace(case, study=replace(case.study, **changes)))  # type: ignore[arg-type]
+    return solve_path(replace(case, study=replace(case.study, **changes)))  # type: ignore[arg-type]
 
 
 def _ways(study: LateralStudy) -> tuple[np.ndarray, np.ndarray]:

@@ -13,8 +13,8 @@ from toothspace.case import Case, load_case
 from toothspace.core.status import Status
 from toothspace.floating.problem import lateral_problem
 from toothspace.model.floating_bearing import HousingContact
-from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
-from toothspace.studies.nose_pressure import solve_conditions
+from toothspace.studies.bearing_path import solve_path
+from toothspace.studies.bearing_points import LateralPoints, PointCondition, prepare
 
 CASES = Path(__file__).parents[3] / "cases"
 FAST, SLOW = 4675.0, 2550.0
@@ -50,7 +50,7 @@ def _opening(points: LateralPoints, chambers: xr.Dataset, film: float) -> float:
 @pytest.mark.slow
 def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
     case = _nose_case()
-    points = prepare(case, HousingContact(friction_coefficient=1.0), "speed")
+    points = prepare(case, HousingContact(friction_coefficient=1.0))
     slowly, quickly = _filled(points, case, SLOW), _filled(points, case, FAST)
     slow, fast = _opening(points, slowly, SLOW), _opening(points, quickly, FAST)
     assert fast < slow - 300.0
@@ -66,7 +66,7 @@ def test_claims_about_nose_and_speed_on_the_shipped_case() -> None:
     Against the source, speed is more than secondary (claim ``fuel_pump_nose`` of the validation
     book, which fails).
     """
-    study = solve_conditions(load_case(CASES / "nose_pressure.toml"))
+    study = solve_path(load_case(CASES / "nose_pressure.toml"))
     assert study.status is Status.DONE
     fast, slow, high = np.array([p.numbers.position for p in study.points]).reshape(3, 5)
     assert np.ptp(fast) > TELL

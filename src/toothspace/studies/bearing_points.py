@@ -1,18 +1,23 @@
-"""Operating points of a floating bearing, one after another."""
+"""Operating points of a floating bearing, one after another, in memory and on disk."""
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
+import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from dataclasses import asdict, dataclass, field, fields, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from toothspace import api
 from toothspace.case import Case
+from toothspace.core.compilation.cache import digest_of_sources
 from toothspace.core.errors import CaseError
+from toothspace.core.files import plain
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
@@ -26,24 +31,134 @@ from toothspace.floating.problem import (
     LateralNumbers,
     LateralSettings,
     balance_of,
+    film_fields,
+    film_places,
 )
+from toothspace.model.description import MachineDescription
 from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.results.solution import Solution
 from toothspace.results.summary_names import unit_of
 from toothspace.results.variables import variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
 from toothspace.run.run import Run
 from toothspace.studies.points import operating_point_of
-from toothspace.studies.stored_point import (
-    FIELDS,
-    StoredPoint,
-    record_of,
-    recorded_point,
-    stored_point,
-)
+from toothspace.studies.records import Record
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")
+"""Fields of every film that a study keeps."""
+_SCALARS = ("residual", "nose_pressure", "breakaway_force", "preload", "temperature_rise")
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StoredPoint:
+    """What a study keeps of one point."""
+
+    status: Status
+    """Outcome."""
+    numbers: LateralNumbers
+    """Mean numbers of the films."""
+    residual: float
+    """Largest force out of balance over the force behind the bearing. [-]"""
+    nose_pressure: float
+    """Absolute pressure on the nose. [Pa]"""
+    breakaway_force: float
+    """Friction of the housing at which the bearing breaks away. [N]"""
+    preload: float
+    """Force of springs and seal. [N]"""
+    temperature_rise: float | None
+    """Hottest film above the fluid; None where none warms up. [K]"""
+    coordinates: Array
+    """Positions and rotations of all bodies. [m, rad]"""
+    films: tuple[str, ...]
+    """Names of the films."""
+    maps: Mapping[str, Array]
+    """Fields of the films and the places of their cells, by the names of results."""
+
+
+def stored_point(point: CoupledPoint) -> StoredPoint:
+    """Take from a coupled solution what a study keeps."""
+    stack, balance = point.problem.stack, point.equilibrium.balance
+    drawn = film_fields(balance)
+    return StoredPoint(
+        status=point.status,
+        numbers=point.numbers,
+        residual=balance.residual,
+        nose_pressure=point.problem.loads.back.nose,
+        breakaway_force=point.problem.loads.friction.breakaway_force,
+        preload=stack.balance.floating.preload.size,
+        temperature_rise=point.temperature_rise,
+        coordinates=balance.position,
+        films=tuple(grid.interface.name for grid in stack.grids),
+        maps={**{name: drawn[name].astype(np.float32) for name in FIELDS}, **film_places(stack)},
+    )
+
+
+def record_of(key: str, point: StoredPoint) -> Record:
+    """Return the record from which :func:`recorded_point` makes the same point again."""
+    numbers = {
+        **{name: getattr(point, name) for name in _SCALARS},
+        "films": point.films,
+        "coordinates": point.coordinates,
+        "lateral_numbers": asdict(point.numbers),
+        "maps": {
+            name: {
+                "type": values.dtype.str,
+                "shape": values.shape,
+                "content": base64.b64encode(zlib.compress(values.tobytes())).decode("ascii"),
+            }
+            for name, values in point.maps.items()
+        },
+    }
+    return Record(
+        key,
+        point.status.name.lower(),
+        plain(numbers),
+        "" if point.status is Status.DONE else point.status.value,
+    )
+
+
+def recorded_point(record: Record) -> StoredPoint:
+    """Return the point of a record."""
+    kept: Mapping[str, Any] = record.numbers
+    values: dict[str, Any] = {
+        f.name: kept["lateral_numbers"][f.name] for f in fields(LateralNumbers)
+    }
+    # JSON knows neither arrays nor numbers that are not
+    for name, value in values.items():
+        if value is None or isinstance(value, list):
+            values[name] = float("nan") if value is None else np.array(value)
+    return StoredPoint(
+        status=Status[record.status.upper()],
+        numbers=LateralNumbers(**values),
+        **{name: kept[name] for name in _SCALARS},
+        films=tuple(kept["films"]),
+        coordinates=np.array(kept["coordinates"]),
+        maps={
+            name: np.frombuffer(
+                zlib.decompress(base64.b64decode(packed["content"])), dtype=packed["type"]
+            ).reshape(packed["shape"])
+            for name, packed in kept["maps"].items()
+        },
+    )
+
+
+def point_key(case: Case, *what: object) -> str:
+    """Key of the record of a point: the case without its study, and what else decides.
+
+    Parameters
+    ----------
+    *what : object
+        Numbers and texts that the point depends on besides the case.
+    """
+    text = "\n".join((case.at_point({}).hash, repr(what), digest_of_sources()))
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
 
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
@@ -67,6 +182,8 @@ class PointCondition:
     """Shaft speed. [rad/s]"""
     nose_pressure: float | None = None
     """Absolute pressure on the nose; None: the low pressure. [Pa]"""
+    anew: bool = False
+    """Whether it begins from the start gap, not from where the point before ended."""
 
     @classmethod
     def of(cls, case: Case, label: str, **given: float) -> PointCondition:
@@ -86,9 +203,7 @@ class LateralStudy:
     points: tuple[StoredPoint, ...]
     """What was found; after an interrupt the points at the end are missing."""
     start_gap: float = math.nan
-    """Gap that the first point starts from. [m]"""
-    follow: bool = True
-    """Whether every other point starts where the one before ended, or from the same gap."""
+    """Gap that the first point starts from, and every one that begins anew. [m]"""
 
     @property
     def held_by_friction(self) -> tuple[bool, ...]:
@@ -97,7 +212,10 @@ class LateralStudy:
         solid = any(name.startswith("solid") for name in self.points[0].films)
         # gears float with the bearing: its way is both films where one side is solid
         first = self.start_gap * (2.0 if solid else 1.0)
-        starts = [first, *places[:-1]] if self.follow else [first] * len(places)
+        starts = [
+            first if k == 0 or self.conditions[k].anew else places[k - 1]
+            for k in range(len(places))
+        ]
         return tuple(abs(x - start) < _AT_REST for x, start in zip(places, starts, strict=True))
 
     @property
@@ -210,6 +328,8 @@ class LateralPoints:
     """Grids and laws of the films."""
     rounds: int = 1
     """Most lumped runs at a point."""
+    known: dict[tuple[float, ...], Solution] = field(default_factory=dict, repr=False)
+    """Lumped runs of points that get one each: what stands on the nose does not change them."""
 
     @property
     def balance(self) -> LateralBalance:
@@ -220,40 +340,24 @@ class LateralPoints:
         self, point: PointCondition, start: Array | float, progress: Progress | None = None
     ) -> CoupledPoint:
         """Coupled solution of one point, begun from positions or from a gap. [m, rad]."""
-        return couple_point(
-            self.run.machine,
-            self.run.fluid,
-            self.lumped(point, progress),
-            self._request(point, start),
+        lumped = self.lumped(point, progress)
+        if self.rounds == 1:
+            lumped = partial(self._once, lumped, point)
+        request = PointRequest(
+            settings=self.settings,
+            start=start,
+            nose_pressure=point.nose_pressure,
+            rounds=self.rounds,
         )
+        return couple_point(self.run.machine, self.run.fluid, lumped, request)
 
-    def solve_alike(
-        self,
-        conditions: Sequence[PointCondition],
-        start_gap: float,
-        context: StudyContext,
-        keys: Sequence[str],
-    ) -> tuple[StoredPoint, ...]:
-        """Points that differ in the nose pressure alone, each from one gap. [m].
-
-        They share the chamber pressures of the first, unless chambers and films are to agree. After
-        an interrupt by the user those that are finished; records are kept as by :func:`follow`.
-        """
-        run, shared = self.run, cache(self.lumped(conditions[0]))
-
-        def solved(condition: PointCondition) -> CoupledPoint:
-            if self.rounds > 1:
-                return self.solve(condition, start_gap)
-            request = replace(self._request(condition, start_gap), rounds=1)
-            return couple_point(run.machine, run.fluid, lambda _: shared(run.machine), request)
-
-        found = []
-        for condition, key in zip(conditions, keys, strict=True):
-            point = _kept_or_solved(context, key, partial(solved, condition))
-            if point is None:
-                break
-            found.append(point)
-        return tuple(found)
+    def _once(
+        self, lumped: LumpedRun, point: PointCondition, machine: MachineDescription
+    ) -> Solution:
+        place = point.shaft_speed, point.inlet_pressure, point.outlet_pressure
+        if place not in self.known:
+            self.known[place] = lumped(machine)
+        return self.known[place]
 
     def lumped(self, point: PointCondition, progress: Progress | None = None) -> LumpedRun:
         """Lumped runs of one point, of the machine and of changed ones."""
@@ -267,25 +371,8 @@ class LateralPoints:
         )
         return replace(self.run, condition=condition).repeated(progress)
 
-    def _request(self, point: PointCondition, start: Array | float) -> PointRequest:
-        return PointRequest(
-            settings=self.settings,
-            start=start,
-            nose_pressure=point.nose_pressure,
-            rounds=self.rounds,
-        )
 
-
-def housing_contact(study: Any) -> HousingContact:
-    """Friction in the housing by the three keys of a study for it."""
-    return HousingContact(
-        friction_coefficient=study.friction_coefficient,
-        breakaway_speed=study.breakaway_speed,
-        law=study.friction_law,
-    )
-
-
-def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPoints:
+def prepare(case: Case, friction: HousingContact | None) -> LateralPoints:
     """Run the machine of a study in and give its bearing the friction of the study, if any.
 
     Raises
@@ -295,7 +382,8 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
     """
     if case.operating_point is None:
         allowed = "an [operating_point] that the study starts from"
-        raise CaseError("operating_point", f"none with study.kind = {kind!r}", allowed)
+        found = f"none with study.kind = {case.study_kind!r}"
+        raise CaseError("operating_point", found, allowed)
     require_floating_part(case)
     few = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
     run = api.prepare(replace(case, run=few)).worn().with_films()
@@ -317,12 +405,12 @@ def follow(
     context: StudyContext,
     keys: Sequence[str],
 ) -> tuple[StoredPoint, ...]:
-    """Solve points one after another, each from the equilibrium of the one before.
+    """Solve points one after another, each from the equilibrium of the one before or anew.
 
     Parameters
     ----------
     start_gap : float
-        Gap that the first one starts from. [m]
+        Gap that the first one starts from, and every one that begins anew. [m]
 
     Returns
     -------
@@ -332,7 +420,7 @@ def follow(
     found: list[StoredPoint] = []
     now: Array | float = start_gap
     for k, (condition, key) in enumerate(zip(conditions, keys, strict=True)):
-        share = k / len(conditions)
+        share, now = k / len(conditions), start_gap if condition.anew else now
         tell(context.progress, share, condition.label)
         own = part(context.progress, condition.label, share, share)
         point = _kept_or_solved(context, key, partial(points.solve, condition, now, own))
