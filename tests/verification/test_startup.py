@@ -49,7 +49,9 @@ def solve(case: Case, duration: float, cells: int = 100) -> Solution:
 
 
 def slow_supply(speed: str, *more: str) -> Case:
-    return startup_case(f'circuit.supply.speed=[["0 s", "{speed}"]]', *more)
+    """Supply of one speed without slip, which would keep a slow one from any pressure."""
+    leakless = "circuit.supply.rated_point.volumetric_efficiency=1"
+    return startup_case(f'circuit.supply.speed=[["0 s", "{speed}"]]', leakless, *more)
 
 
 def test_a_rubber_wall_keeps_its_compliance_and_gives_a_part_of_it_late() -> None:

@@ -82,7 +82,7 @@ def test_curve_goes_through_the_sweep(tables: Path) -> None:
         wanted = load_by_hand(199e5)
         assert journal.friction.loads == pytest.approx((0.3 * wanted, wanted), rel=0.04)
         rough = [curve.boundary_level for curve in journal.friction.curves]
-        assert rough[0] > 1.05 * rough[1]
+        assert rough[0] > 1.02 * rough[1]
 
 
 SLIPPERY = replace(PUBLISHED_CURVE, boundary=0.02, rise=0.015)
@@ -154,7 +154,7 @@ def test_run_with_tables(tables: Path) -> None:
     """Full film at S of 0.1 to 0.2: friction between the minimum and Petroff's of S = 0.2."""
     from toothspace import api
 
-    overrides = [f"run.film_tables={tables}", "run.revolutions=1"]
+    overrides = [f"run.film_tables={tables}", "run.revolutions=1", "heat.model=network"]
     case = load_case(MOTOR, [*overrides, "run.samples_per_revolution=72"])
     solution = api.simulate(case)
     lost = solution.data["torque_loss"].sel(mechanism="journal_viscous").values
@@ -169,8 +169,8 @@ def test_run_with_tables(tables: Path) -> None:
 
 def test_wrong_files_are_refused(tables: Path, tmp_path: Path) -> None:
     _, machine = motor()
-    other = tuple(replace(j, radial_clearance=9e-6) for j in machine.journals)
-    with pytest.raises(CaseError, match="found a bearing with radial_clearance 8e-06 m"):
+    other = tuple(replace(j, radial_clearance=8e-6) for j in machine.journals)
+    with pytest.raises(CaseError, match="found a bearing with radial_clearance 9e-06 m"):
         with_film_tables(replace(machine, journals=other), tables)
     bare = tmp_path / "bare.nc"
     xr.Dataset({"a": ("x", [1.0])}).to_netcdf(bare, engine="h5netcdf")

@@ -64,8 +64,8 @@ def test_extremes_do_not_hang_on_the_samples(name: str, overrides: list[str]) ->
 
 def test_samples_are_some_of_the_dense_states_or_stand_between_them() -> None:
     whole, odd = (
-        run("egm12_pump", 720, "run.revolutions=1"),
-        run("egm12_pump", 500, "run.revolutions=1"),
+        run("egm12_pump", 720, "run.revolutions=1", "heat.model=network"),
+        run("egm12_pump", 500, "run.revolutions=1", "heat.model=network"),
     )
     for name in ("chamber_pressure_maximum", "shaft_torque_minimum", "dense_outlet_flow_rate"):
         np.testing.assert_allclose(whole.data[name], odd.data[name], rtol=1e-9)
