@@ -1,7 +1,7 @@
 """How time and memory grow with cells, teeth, tolerance and workers.
 
     python -m benchmarks.scaling            # prints the tables
-    python -m benchmarks.scaling --store    # and writes them into docs/developer/scaling.md
+    python -m benchmarks.scaling --store    # and writes them into benchmarks/results/scaling.md
     python -m benchmarks.scaling --part teeth
 
 Processor times, the best of three; each film size in a process of its own, whose peak memory above
@@ -28,7 +28,7 @@ from benchmarks.bench_films import SIZES, eliminated, right_side, toothed_film
 from toothspace.core.processes import start_worker
 from toothspace.studies import run_study
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "developer" / "scaling.md"
+PAGE = Path(__file__).resolve().parents[1] / "benchmarks" / "results" / "scaling.md"
 GRIDS = ((240, 64), *SIZES)
 TEETH = (10, 12, 14, 16, 20)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)

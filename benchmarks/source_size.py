@@ -1,4 +1,4 @@
-"""How the lines of ``src`` divide: ``python -m benchmarks.source_size docs/developer/size.md``.
+"""How the lines of ``src`` divide: ``python -m benchmarks.source_size benchmarks/results/size.md``.
 
 Growth is counted between two commits, file by file; what no capability names is the house itself.
 """

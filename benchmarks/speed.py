@@ -39,7 +39,7 @@ from benchmarks.bench_lumped import (
 )
 
 STORE = Path(__file__).with_name("speed.json")
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "developer" / "speed_against_peers.md"
+PAGE = Path(__file__).resolve().parents[1] / "benchmarks" / "results" / "speed_against_peers.md"
 FALLEN = 0.8
 """Ratio over the stored one below which a figure is flagged."""
 REPEATS = 3

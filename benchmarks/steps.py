@@ -1,7 +1,7 @@
 """Where lumped runs spend their steps and their time.
 
     python -m benchmarks.steps            # prints the tables
-    python -m benchmarks.steps --store    # and writes them into docs/developer/steps.md
+    python -m benchmarks.steps --store    # and writes them into benchmarks/results/steps.md
     python -m benchmarks.steps --case startup_fan_drive
 
 Every accepted step of a march is read: its size, its order and the state whose error is the
@@ -39,7 +39,7 @@ from toothspace.solver import transient
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.integrator import March, Piece, start_march
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "developer" / "steps.md"
+PAGE = Path(__file__).resolve().parents[1] / "benchmarks" / "results" / "steps.md"
 CASES = Path(__file__).resolve().parents[1] / "cases"
 EDGES = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 """Limits of the classes of the histogram. [us]"""

@@ -714,7 +714,7 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
         return balance_sweep.figures(data)
     if "shaft_speed" in data.dims:
         return _map_figures(data)
-    over_nose = all("," in str(label) for label in data["point_label"].values)
+    over_nose = float(np.ptp(data["nose_pressure_bar"].values)) > 0.0
     return _nose_figures(data) if over_nose else _loop_figures(data)
 
 

@@ -256,6 +256,8 @@ class LateralStudy:
             **column("wear_power_W_per_mm2", "friction_force_N"),
             "breakaway_force_N": [p.breakaway_force for p in self.points],
             "held_by_friction": list(self.held_by_friction),
+            **column("hold_down_force_N", "tipping_margin_mm"),
+            # former names of these two
             **column("seat_force_N", "seat_margin_mm"),
             "preload_N": [p.preload for p in self.points],
             "force_balance_error": [p.residual for p in self.points],
@@ -310,8 +312,10 @@ def film_numbers(numbers: LateralNumbers) -> dict[str, float]:
         "leakage_L_per_min": numbers.leakage * 6e4,
         "torque_loss_N_m": numbers.viscous_torque + numbers.asperity_torque,
         "friction_force_N": numbers.friction_force,
-        "seat_force_N": numbers.seat_force,
-        "seat_margin_mm": numbers.seat_margin * 1e3,
+        "hold_down_force_N": numbers.hold_down_force,
+        "tipping_margin_mm": numbers.tipping_margin * 1e3,
+        "seat_force_N": numbers.hold_down_force,
+        "seat_margin_mm": numbers.tipping_margin * 1e3,
     }
 
 

@@ -109,4 +109,4 @@ def test_force_of_helical_teeth_lifts_the_gear_off_the_solid_bearing(motion: str
     assert after.position - before.position == pytest.approx(
         after.gaps[1] - before.gaps[1], rel=0.2
     )
-    assert before.seat_force - after.seat_force == pytest.approx(80.0, abs=0.1)
+    assert before.hold_down_force - after.hold_down_force == pytest.approx(80.0, abs=0.1)
