@@ -10,20 +10,20 @@ from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import Progress, tell
 from toothspace.studies.workers import Workers
 from toothspace.validation import (
-    films,
     gerotor,
     lateral,
+    motor_startup,
+    published_films,
     reference_machines,
     service_manuals,
-    startup,
 )
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
 CLAIMS: tuple[Claim, ...] = (
-    *films.CLAIMS,
+    *published_films.CLAIMS,
     *reference_machines.CLAIMS,
     *service_manuals.CLAIMS,
-    *startup.CLAIMS,
+    *motor_startup.CLAIMS,
     *lateral.CLAIMS,
     *gerotor.CLAIMS,
 )

@@ -12,11 +12,11 @@ import xarray as xr
 
 from toothspace.core.status import Status
 from toothspace.results.tooth_contacts import ToothContacts
-from toothspace.validation import book, films, gerotor, lateral, service_manuals
+from toothspace.validation import book, gerotor, lateral, published_films, service_manuals
 
 CHECKED = tuple(
     claim
-    for module in (films, gerotor, lateral, service_manuals)
+    for module in (published_films, gerotor, lateral, service_manuals)
     for claim in module.CLAIMS
     if claim.measure is not None
 )
@@ -41,19 +41,19 @@ PUBLISHED = {
 
 @pytest.mark.parametrize("key", PUBLISHED)
 def test_films_that_are_off_by_a_third(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = films.columns
+    honest = published_films.columns
 
     def spoiled(source: str, name: str = "reference.csv") -> dict[str, Any]:
         found = honest(source, name)
         return {k: v * 1.3 if k == PUBLISHED[key] else v for k, v in found.items()}
 
-    monkeypatch.setattr(films, "columns", spoiled)
+    monkeypatch.setattr(published_films, "columns", spoiled)
     assert verdict(key) == "fail"
 
 
 def test_friction_curve_that_is_off_by_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = films.PUBLISHED_CURVE
-    monkeypatch.setattr(films, "PUBLISHED_CURVE", lambda s: 1.3 * np.asarray(honest(s)))
+    honest = published_films.PUBLISHED_CURVE
+    monkeypatch.setattr(published_films, "PUBLISHED_CURVE", lambda s: 1.3 * np.asarray(honest(s)))
     assert verdict("pawar_eq_2_7") == "fail"
 
 
