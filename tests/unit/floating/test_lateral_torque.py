@@ -15,8 +15,8 @@ from toothspace.floating.equilibrium import snapshots_over_pitch
 from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.floating.torque import lumped_torque, with_film_torque
 from toothspace.model.description import Body, LumpedLateralFilm
-from toothspace.model.films import lateral_asperity_share, lateral_torque_coefficient
 from toothspace.model.floating_bearing import AxialForce
+from toothspace.model.lumped_films import lateral_asperity_share, lateral_torque_coefficient
 
 WALL = 2e-3
 """Torque of drag against pressure that the lumped paths ask for already. [N m]"""
