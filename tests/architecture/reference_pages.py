@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
@@ -19,31 +19,66 @@ from toothspace.results import variables
 FOLDER = Path(__file__).parents[2] / "docs" / "reference"
 COMMAND = "python -m tests.architecture.reference_pages"
 
-_HEAD = """# Keys of the case file
+_HEAD = f"""# Keys of the case file
 
 A case is one TOML file. Every dimensional number is a text with its unit (`"2.75 mm"`,
 `"200 bar"`, `"1500 rpm"`, `"50 degC"`), pressures are absolute, and file paths are relative to
 the case file. Unknown keys are refused. Exactly one of `[operating_point]`, `[circuit]`,
 `[bearing]` and `[film]` stands in a case; `[study]` may be added to one of the first two.
 
-This page and `toothspace schema` are generated from the same definitions, the page by
-`{command}`.
+These pages and `toothspace schema` are generated from the same definitions, the pages by
+`{COMMAND}`.
 
-{columns}| `schema` | 1 | compulsory | Version of the case file's keys. |
+| key | allowed | default | meaning |
+|---|---|---|---|
+| `schema` | 1 | compulsory | Version of the case file's keys. |
 | `title` | a text | compulsory | What this case is. |
+
+| page | tables |
+|---|---|
 """
 _COLUMNS = "| key | allowed | default | meaning |\n|---|---|---|---|\n"
+_PAGES = {
+    "fluid_and_operating_point": (
+        "Fluid, operating point and run",
+        "fluid operating_point run heat",
+    ),
+    "circuit": ("Circuit", "circuit"),
+    "bearing": ("Journal bearing on its own", "bearing"),
+    "film": ("Film on its own", "film"),
+    "study": ("Study", "study"),
+}
+"""Titles and tables of the pages beside those of machines."""
 
 
-def case_page() -> str:
-    """Page ``case_file.md``: all keys of a case."""
-    page = _HEAD.replace("{command}", COMMAND).replace("{columns}", _COLUMNS)
-    for name, (key, _) in keys.keys_of(Case).items():
-        if isinstance(key, keys.Variant):
-            page += "".join(_variants(name, key))
-        elif isinstance(key, keys.Table):
-            page += "".join(_tables(name, key.spec, f"`[{name}]`"))
-    return page
+def case_pages() -> dict[str, str]:
+    """Pages ``case_file.md`` and ``case_file/*.md``: all keys of a case, by machine and table."""
+    named = {name: key for name, (key, _) in keys.keys_of(Case).items()}
+    machines = named["machine"]
+    assert isinstance(machines, keys.Variant)
+    chapters: dict[str, tuple[str, str, str]] = {}
+    for name in sorted(machines.variants, key="external_gear gerotor crescent".find):
+        tables = f'`[machine]` with `type = "{name}"`'
+        body = "".join(_tables("machine", machines.variants[name], tables))
+        chapters[name] = (f"Machine: {name.replace('_', ' ')}", tables, body)
+    for name, (title, listed) in _PAGES.items():
+        body = "".join(text for one in listed.split() for text in _sections(one, named[one]))
+        chapters[name] = (title, ", ".join(f"`[{one}]`" for one in listed.split()), body)
+    index = _HEAD + "".join(
+        f"| [{title}](case_file/{name}.md) | {tables} |\n"
+        for name, (title, tables, _) in chapters.items()
+    )
+    index += "\n```{toctree}\n:hidden:\n\n"
+    index += "".join(f"case_file/{name}\n" for name in chapters) + "```\n"
+    texts = {f"case_file/{name}.md": f"# {t}\n{body}" for name, (t, _, body) in chapters.items()}
+    return {"case_file.md": index, **texts}
+
+
+def _sections(name: str, key: keys.Key) -> Iterator[str]:
+    if isinstance(key, keys.Variant):
+        yield from _variants(name, key)
+    elif isinstance(key, keys.Table):
+        yield from _tables(name, key.spec, f"`[{name}]`")
 
 
 def _variants(path: str, key: keys.Variant) -> Iterator[str]:
@@ -172,12 +207,12 @@ def preset_page() -> str:
     return "\n".join(lines)
 
 
-PAGES: Mapping[str, Callable[[], str]] = {
-    "case_file.md": case_page,
-    "presets.md": preset_page,
-    "results.md": result_page,
-}
+def pages() -> dict[str, str]:
+    """Every generated page by its place."""
+    return {**case_pages(), "presets.md": preset_page(), "results.md": result_page()}
+
 
 if __name__ == "__main__":
-    for name, page in PAGES.items():
-        (FOLDER / name).write_text(page(), encoding="utf-8")
+    (FOLDER / "case_file").mkdir(exist_ok=True)
+    for name, page in pages().items():
+        (FOLDER / name).write_text(page, encoding="utf-8")

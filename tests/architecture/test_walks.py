@@ -17,7 +17,7 @@ import pytest
 
 from tests import tank_circuit
 from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
-from tests.architecture.reference_pages import case_page, result_page
+from tests.architecture.reference_pages import case_pages, result_page
 from tests.architecture.sources import PACKAGE, REPOSITORY
 from toothspace import api, studies
 from toothspace.case import Case
@@ -204,7 +204,7 @@ def test_study(toy_study: None, tmp_path: Path) -> None:
     case = case.replace({"study": {"kind": "toy_speeds", "speed_count": 2}})
     assert case.study_kind == "toy_speeds"
     assert Case.from_toml(case.to_toml()) == case
-    assert '`kind = "toy_speeds"`' in case_page()
+    assert '`kind = "toy_speeds"`' in case_pages()["case_file/study.md"]
     result = run_study(case, tmp_path / "study")
     assert result.status is Status.DONE
     frame = result.to_dataframe()
