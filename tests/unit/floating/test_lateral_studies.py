@@ -99,7 +99,8 @@ def test_points_that_friction_holds_are_marked() -> None:
     assert held.summary()["held_by_friction"][1:] == [True] * 4
     assert not any(moved.held_by_friction)
     gap = 0.5 * held.points[0].numbers.position
-    assert all(replace(held, start_gap=gap, follow=False).held_by_friction)
+    anew = tuple(replace(condition, anew=True) for condition in held.conditions)
+    assert all(replace(held, start_gap=gap, conditions=anew).held_by_friction)
 
 
 def test_result_lists_every_point_with_units(study: LateralStudy) -> None:
