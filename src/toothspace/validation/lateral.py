@@ -258,8 +258,8 @@ CLAIMS = (
         _second_set,
         8.0,
         reason=(
-            "On the coarse grid the bearing rises as published and leaves a loop of 0.66 um, but its "
-            "mean film reaches 5.8 um, and films and chambers do not agree at every point."
+            "On the coarse grid the bearing rises as published and leaves a loop of 0.66 um, but "
+            "its mean film reaches 5.8 um, and films and chambers do not agree at every point."
         ),
     ),
     Claim(
