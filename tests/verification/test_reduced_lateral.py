@@ -33,8 +33,8 @@ def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path:
     assert reduced.status is Status.DONE
     assert elastic.status is Status.DONE
     found, wanted = reduced.summary(), elastic.summary()
-    # the load within 1 % of the force of the balanced area, 1350 mm2 at 199 bar
-    assert found["axial_load_N"] == pytest.approx(wanted["axial_load_N"], abs=0.01 * 26.9e3)
+    # the load within 1 % of the force of the balanced area, 1400 mm2 at 199 bar
+    assert found["axial_load_N"] == pytest.approx(wanted["axial_load_N"], abs=0.01 * 27.9e3)
     leakage = found["leakage_lateral_L_per_min"] + found["leakage_drain_L_per_min"]  # type: ignore[operator]
     # three agreements within 2 % each: films and chambers of table, elastic run and reduced run
     within = 1.02**3 - 1.0

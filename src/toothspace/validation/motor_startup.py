@@ -27,8 +27,9 @@ SOURCE = ValidationSource(
     "A. Pawar, A. Vacca, M. Rigosi, Modelling and experimental validation of the dynamic startup "
     "behavior of external spur gear motor.",
     "Results are normalised. Supply pump, ramp, hose bore and modulus are not published and "
-    "assumed in cases/startup_fan_drive.toml; balanced area, groove and preload of the bushings "
-    "and the friction of the seal at rest are not published either and free.",
+    "assumed in cases/startup_fan_drive.toml; balanced area and preload of the bushings, edge of "
+    "the high-pressure port and the friction of the seal at rest are not published either and "
+    "free.",
 )
 AIMS = ValidationSource(
     "motor_startup_aims",
