@@ -51,7 +51,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
-        "advice/trapping.py", "machines/external_gear/floating/elastic_assembly.py",
+        "advice/trapping.py", "machines/external_gear/floating/balance.py",
     ),
     "mixing, roots, splines, second core": (
         *(f"numerics/{name}.py" for name in ("acceleration", "parallel", "roots", "spline")),

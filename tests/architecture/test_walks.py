@@ -292,7 +292,7 @@ FILTER_USE = """
 import json, sys
 from toothspace.api import fluid_of
 from toothspace.case import Case
-from toothspace.case.json_schema import case_schema
+from toothspace.case.case import case_schema
 from toothspace.circuit.circuit import build_circuit
 from toothspace.circuit.elements import LAWS, element_flow
 from toothspace.circuit.history import Tables

@@ -26,8 +26,11 @@ from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.floating.balance import lateral_balance
-from toothspace.machines.external_gear.floating.elastic_assembly import ElasticAssembly, seal_line
+from toothspace.machines.external_gear.floating.balance import (
+    ElasticAssembly,
+    lateral_balance,
+    seal_line,
+)
 from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
     MeshSize,

@@ -13,7 +13,7 @@ from typing import Any, final
 from urllib.parse import parse_qs, urlsplit
 
 from toothspace.app.session import Session
-from toothspace.case.json_schema import case_schema
+from toothspace.case.case import case_schema
 from toothspace.core.errors import CaseError, ToothspaceError
 
 HOST = "127.0.0.1"

@@ -7,7 +7,7 @@ from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
-from toothspace.case.case_tables import CaseTables
+from toothspace.case.case import CaseTables
 from toothspace.case.conditions import HeatSettings
 from toothspace.case.overrides import CONDITIONS
 from toothspace.case.presets import PRESETS, Preset

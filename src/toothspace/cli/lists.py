@@ -55,6 +55,6 @@ def warmup(as_json: Json = False) -> None:
 
 def schema() -> None:
     """Print the JSON Schema of the case file."""
-    from toothspace.case.json_schema import case_schema
+    from toothspace.case.case import case_schema
 
     output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))

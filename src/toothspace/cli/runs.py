@@ -81,7 +81,7 @@ def run(
     )
     from toothspace import api
     from toothspace.core.finding import status_line
-    from toothspace.run.interfaces import unused_tables
+    from toothspace.run.run import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:

@@ -489,7 +489,7 @@ def test_values_of_numpy_become_json() -> None:
 
 
 def test_lumped_runs_load_no_scipy() -> None:
-    used = "api", "machines.external_gear.describe", "run.lumped", "results.file_layout"
+    used = "api", "machines.external_gear.describe", "run.run", "results.file_layout"
     heavy = {"scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.special", "matplotlib"}
     program = (
         f"import sys, {', '.join(f'toothspace.{name}' for name in used)}\n"

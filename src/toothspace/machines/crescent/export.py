@@ -8,8 +8,7 @@ import numpy as np
 
 from toothspace.geometry.cad_export import Section, export_gear, export_section
 from toothspace.geometry.curve import polar
-from toothspace.machines.crescent.assembly import assemble
-from toothspace.machines.crescent.filler import filler_outline
+from toothspace.machines.crescent.assembly import assemble, filler_outline
 from toothspace.machines.crescent.parameters import CrescentParameters
 
 _CIRCLE_POINTS = 720

@@ -16,8 +16,7 @@ from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.curve import turned
 from toothspace.geometry.involute import involute_function
-from toothspace.machines.crescent.assembly import CrescentAssembly
-from toothspace.machines.crescent.filler import filler_edges, filler_thickness
+from toothspace.machines.crescent.assembly import CrescentAssembly, filler_edges, filler_thickness
 from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
 
 _LEAST_ROOT_CLEARANCE = 0.05

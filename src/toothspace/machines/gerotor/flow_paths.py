@@ -14,7 +14,7 @@ from toothspace.gearing.chamber_paths import ChamberPaths
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
-from toothspace.machines.gerotor.timing import Timing
+from toothspace.machines.gerotor.ports import Timing
 from toothspace.model.description import FlowPath
 from toothspace.model.machine_parts import PathKind
 from toothspace.model.path_category import (

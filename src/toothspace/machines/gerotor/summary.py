@@ -13,9 +13,8 @@ from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.lobe_pairs import contact_ratio
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
-from toothspace.machines.gerotor.ports import Ports, kinematic_lands
+from toothspace.machines.gerotor.ports import Ports, Timing, kinematic_lands
 from toothspace.machines.gerotor.profiles import trochoid_of
-from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import ContactPair, LumpedJournalBearing
 
 _LEAST_EDGE = 0.5e-3
