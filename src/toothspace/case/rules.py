@@ -104,16 +104,6 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             return
     lowest = law.vapour_pressure
     allowed = f"above the vapour pressure of the fluid, {_bar(lowest)}, absolute"
-    for path, pressure in _pressures(case).items():
-        if pressure <= lowest:
-            yield Problem(path, _bar(pressure), allowed)
-
-
-def _bar(pressure: float) -> str:
-    return format_si(pressure, "bar")
-
-
-def _pressures(case: CaseTables) -> dict[str, float]:
     found: dict[str, float] = {}
     if case.operating_point is not None:
         found["operating_point.inlet_pressure"] = case.operating_point.inlet_pressure
@@ -124,7 +114,13 @@ def _pressures(case: CaseTables) -> dict[str, float]:
     for name, element in case.circuit.elements.items() if case.circuit else ():
         if hasattr(element, "pressure"):
             found[f"circuit.{name}.pressure"] = element.pressure
-    return found
+    for path, pressure in found.items():
+        if pressure <= lowest:
+            yield Problem(path, _bar(pressure), allowed)
+
+
+def _bar(pressure: float) -> str:
+    return format_si(pressure, "bar")
 
 
 def _pressure_order(case: CaseTables) -> Iterator[Problem]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.conditions import FluidChoice, OperatingPoint
+from toothspace.case.conditions import FluidChoice
 from toothspace.circuit.circuit import build_circuit
 from toothspace.circuit.restrictions import ReliefValve
 from toothspace.circuit.shaft_loads import shaft_of, speed_of
@@ -99,13 +99,7 @@ def condition_of(
     if case.operating_point is None:
         allowed = "a case with an [operating_point] or a [circuit]"
         raise CaseError("operating_point", "none", allowed)
-    return _steady_condition(case, case.operating_point, description, law)
-
-
-def _steady_condition(
-    case: Case, point: OperatingPoint, description: MachineDescription, fluid: FluidLaw
-) -> OperatingCondition:
-    """Operating condition of a case, before a load orifice is sized."""
+    point = case.operating_point
     line, end, orifice = None, "outlet", point.outlet_load == "orifice"
     if point.line is not None:
         motor = description.mode == "motor"
@@ -113,7 +107,7 @@ def _steady_condition(
         end = "supply" if motor else LINE_END if orifice else "load"
         pressure = point.inlet_pressure if motor else point.outlet_pressure
         volume = description.port_volumes[0 if motor else 1]
-        line = point.line.at_port(port, volume, pressure, end, fluid)
+        line = point.line.at_port(port, volume, pressure, end, law)
     return OperatingCondition(
         shaft_speed=point.shaft_speed,
         inlet_pressure=point.inlet_pressure,

@@ -80,33 +80,33 @@ def with_solved_films(
     parallel or curved gap is the exact solution there.
     """
     if models["lateral"] == "reynolds":
-        description = _with_solved_faces(description, condition, fluid)
+        if description.shared_faces is not None:
+            description = with_shared_films(
+                description, solved_covers(description, condition, fluid)
+            )
+        else:
+            if all(film.face is None for film in description.laterals):
+                found = "'reynolds' for a machine that gives the outline of none of its faces"
+                raise CaseError("run.interfaces.lateral", found, "'closed_form'")
+            faces = {
+                f.body: _Face(description, f) for f in description.laterals if f.face is not None
+            }
+            replaced = {
+                path.name for face in faces.values() for path in (face.across, face.inwards)
+            }
+            kept = [path for path in description.paths if path.name not in replaced]
+            description = replace(
+                description,
+                paths=(*kept, *(path for face in faces.values() for path in face.paths())),
+                laterals=tuple(
+                    film if film.face is None else faces[film.body].film()
+                    for film in description.laterals
+                ),
+            )
     if models["journal"] == "reynolds":
         journals = tuple(_solved(journal) for journal in description.journals)
         description = replace(description, journals=journals)
     return description
-
-
-def _with_solved_faces(
-    description: MachineDescription,
-    condition: OperatingCondition | None,
-    fluid: FluidLaw | None,
-) -> MachineDescription:
-    if description.shared_faces is not None:
-        return with_shared_films(description, solved_covers(description, condition, fluid))
-    if all(film.face is None for film in description.laterals):
-        found = "'reynolds' for a machine that gives the outline of none of its faces"
-        raise CaseError("run.interfaces.lateral", found, "'closed_form'")
-    faces = {f.body: _Face(description, f) for f in description.laterals if f.face is not None}
-    replaced = {path.name for face in faces.values() for path in (face.across, face.inwards)}
-    kept = [path for path in description.paths if path.name not in replaced]
-    return replace(
-        description,
-        paths=(*kept, *(path for face in faces.values() for path in face.paths())),
-        laterals=tuple(
-            film if film.face is None else faces[film.body].film() for film in description.laterals
-        ),
-    )
 
 
 def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:

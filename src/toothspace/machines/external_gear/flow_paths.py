@@ -155,39 +155,6 @@ def bore(assembly: Assembly, gear: int) -> Bore:
         assert casing.outlet_angle is not None
         clearance = np.full(_RAYS, casing.radial_clearance)
         return Bore(casing.inlet_angle, casing.outlet_angle, places, clearance)
-    clearance = _contour_clearance(assembly, gear, contour, places)
-    limit = _SEALING_CLEARANCES * casing.radial_clearance
-    if clearance.min() <= 0.0 or clearance[_RAYS // 2] > limit:
-        raise GeometryError(
-            "machine.casing.contour",
-            f"{clearance.min() * 1e6:.4g} um from the tip circle and "
-            f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh",
-            f"above 0 um and up to {limit * 1e6:.4g} um",
-        )
-    edges = _edge_places(assembly, gear, contour, limit)
-    before = edges[edges < np.pi].max(initial=0.0)
-    after = edges[edges > np.pi].min(initial=2.0 * np.pi)
-    return Bore(float(before), float(2.0 * np.pi - after), places, np.minimum(clearance, limit))
-
-
-def _edge_places(assembly: Assembly, gear: int, contour: Array, limit: float) -> Array:
-    # where the contour crosses the circle that bounds the sealing bore
-    start = contour - _center(assembly, gear)
-    beyond = np.sum(start**2, axis=1) - (assembly.teeth[gear].tip_radius + limit) ** 2
-    crossing = np.flatnonzero(beyond * np.roll(beyond, -1) < 0.0)
-    step = (np.roll(start, -1, axis=0) - start)[crossing]
-    start, beyond = start[crossing], beyond[crossing]
-    half, square = np.sum(start * step, axis=1), np.sum(step**2, axis=1)
-    root = np.sign(beyond) * np.sqrt(half**2 - square * beyond)
-    x, y = (start - ((half + root) / square)[:, None] * step).T
-    return np.mod(np.arctan2(-x, y if gear == 0 else -y), 2.0 * np.pi)
-
-
-def _center(assembly: Assembly, gear: int) -> Array:
-    return np.array([0.0, 0.0 if gear == 0 else assembly.mesh.center_distance])
-
-
-def _contour_clearance(assembly: Assembly, gear: int, contour: Array, places: Array) -> Array:
     center = _center(assembly, gear)
     rise = np.cos(places) if gear == 0 else -np.cos(places)
     directions = np.column_stack([-np.sin(places), rise])
@@ -197,4 +164,29 @@ def _contour_clearance(assembly: Assembly, gear: int, contour: Array, places: Ar
     hits = shapely.intersection(shapely.linestrings(ends), ring)
     # a ray that misses the contour counts as touching
     distance = np.nan_to_num(shapely.distance(hits, shapely.Point(*center)))
-    return np.asarray(distance - assembly.teeth[gear].tip_radius, dtype=float)
+    clearance = np.asarray(distance - assembly.teeth[gear].tip_radius, dtype=float)
+    limit = _SEALING_CLEARANCES * casing.radial_clearance
+    if clearance.min() <= 0.0 or clearance[_RAYS // 2] > limit:
+        raise GeometryError(
+            "machine.casing.contour",
+            f"{clearance.min() * 1e6:.4g} um from the tip circle and "
+            f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh",
+            f"above 0 um and up to {limit * 1e6:.4g} um",
+        )
+    # where the contour crosses the circle that bounds the sealing bore
+    start = contour - _center(assembly, gear)
+    beyond = np.sum(start**2, axis=1) - (assembly.teeth[gear].tip_radius + limit) ** 2
+    crossing = np.flatnonzero(beyond * np.roll(beyond, -1) < 0.0)
+    step = (np.roll(start, -1, axis=0) - start)[crossing]
+    start, beyond = start[crossing], beyond[crossing]
+    half, square = np.sum(start * step, axis=1), np.sum(step**2, axis=1)
+    root = np.sign(beyond) * np.sqrt(half**2 - square * beyond)
+    x, y = (start - ((half + root) / square)[:, None] * step).T
+    edges = np.mod(np.arctan2(-x, y if gear == 0 else -y), 2.0 * np.pi)
+    before = edges[edges < np.pi].max(initial=0.0)
+    after = edges[edges > np.pi].min(initial=2.0 * np.pi)
+    return Bore(float(before), float(2.0 * np.pi - after), places, np.minimum(clearance, limit))
+
+
+def _center(assembly: Assembly, gear: int) -> Array:
+    return np.array([0.0, 0.0 if gear == 0 else assembly.mesh.center_distance])

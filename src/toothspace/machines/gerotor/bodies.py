@@ -8,7 +8,7 @@ from typing import Any, cast, final
 import numpy as np
 import shapely
 
-from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.core.types import Array, BoolArray
 from toothspace.gearing.gear_face import under_recesses
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.geometry.curve import (
@@ -212,13 +212,7 @@ class CoverMap:
         outer = ~_inside(rotors.outer, turn, x, y) & ~inner
         shaft = np.hypot(x, y + rotors.eccentricity) < self.shaft_radius
         body = np.where(inner & ~shaft, 0, np.where(outer, 1, NO_BODY)).astype(np.int64)
-        node = np.where(inner | outer, FILM, self._pocket(turn, x, y)).astype(np.int64)
-        node = under_recesses(node, body != NO_BODY, self.recesses, x, y)
-        node[shaft] = rotors.outer_tooth_count + 3
-        return FaceCells(node, body)
-
-    def _pocket(self, turn: float, x: Array, y: Array) -> IntArray:
-        """Pocket whose throats a point lies between."""
+        # pocket whose throats a point lies between
         count = self.pocket.rotors.outer_tooth_count
         lobes = np.mod(lobe_phases(self.pocket) + turn, FULL_TURN)
         throat = np.mod(np.interp(lobes, *self._throats), FULL_TURN)
@@ -226,7 +220,12 @@ class CoverMap:
         place = np.mod(np.arctan2(y, x) + 0.5 * np.pi, FULL_TURN)
         # lobe k stands ahead of pocket k
         ahead = np.searchsorted(throat[order], place) % count
-        return np.asarray(order[ahead], dtype=np.int64)
+        node = np.where(inner | outer, FILM, np.asarray(order[ahead], dtype=np.int64)).astype(
+            np.int64
+        )
+        node = under_recesses(node, body != NO_BODY, self.recesses, x, y)
+        node[shaft] = rotors.outer_tooth_count + 3
+        return FaceCells(node, body)
 
 
 def _inside(outline: Array, turn: float, x: Array, y: Array) -> BoolArray:

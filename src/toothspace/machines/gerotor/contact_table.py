@@ -152,7 +152,26 @@ def _contact(rotors: Rotors, closest: ClosestPoints, branch: Branch, nodes: int)
     copies = alive // nodes if branch.closed else -(-(alive + 1) // nodes)
     number = branch.first + np.arange(alive)
     angle = np.asarray((number % nodes) * (rotors.pitch / nodes), dtype=float)
-    columns = _geometry(rotors, closest, branch, angle)
+    # all but the rolling speed, as of :class:`LobeContact`; wrong where lost for a moment
+    outer, inner = closest.outer[branch.rows], closest.inner[branch.rows]
+    turn = rotors.turns * angle
+    tangent = turned(rotors.inner_curve.tangent(inner), turn)
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    arm = turned(rotors.inner_curve.point(inner), turn)
+    outer_point = turned(rotors.outer_curve.point(outer), angle)
+    lever = outer_point[:, 0] * normal[:, 1] - outer_point[:, 1] * normal[:, 0]
+    drive_lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
+    columns = {
+        "gap": closest.gap[branch.rows],
+        "gap_rate": lever - rotors.turns * drive_lever,
+        "normal": normal,
+        "inner_point": arm + rotors.inner_center,
+        "outer_point": outer_point,
+        # the outer body lies outside its own outline: a lobe that points inward is convex
+        "radius_inner": _radius(rotors.inner_curve.curvature(inner), rotors.eccentricity),
+        "radius_outer": _radius(-rotors.outer_curve.curvature(outer), rotors.eccentricity),
+        "sliding": np.sum((outer_point - rotors.turns * arm) * normal, axis=1),
+    }
     here, known = np.arange(alive), branch.rows >= 0
     for values in columns.values():
         for column in values.reshape(alive, -1).T:
@@ -167,31 +186,6 @@ def _contact(rotors: Rotors, closest: ClosestPoints, branch: Branch, nodes: int)
     for name, values in columns.items():
         whole[name][place] = values
     return LobeContact(copies=copies, pitch=rotors.pitch, near=near, **whole)
-
-
-def _geometry(
-    rotors: Rotors, closest: ClosestPoints, branch: Branch, angle: Array
-) -> dict[str, Array]:
-    """All but the rolling speed, as of :class:`LobeContact`; wrong where lost for a moment."""
-    outer, inner = closest.outer[branch.rows], closest.inner[branch.rows]
-    turn = rotors.turns * angle
-    tangent = turned(rotors.inner_curve.tangent(inner), turn)
-    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
-    arm = turned(rotors.inner_curve.point(inner), turn)
-    outer_point = turned(rotors.outer_curve.point(outer), angle)
-    lever = outer_point[:, 0] * normal[:, 1] - outer_point[:, 1] * normal[:, 0]
-    drive_lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
-    return {
-        "gap": closest.gap[branch.rows],
-        "gap_rate": lever - rotors.turns * drive_lever,
-        "normal": normal,
-        "inner_point": arm + rotors.inner_center,
-        "outer_point": outer_point,
-        # the outer body lies outside its own outline: a lobe that points inward is convex
-        "radius_inner": _radius(rotors.inner_curve.curvature(inner), rotors.eccentricity),
-        "radius_outer": _radius(-rotors.outer_curve.curvature(outer), rotors.eccentricity),
-        "sliding": np.sum((outer_point - rotors.turns * arm) * normal, axis=1),
-    }
 
 
 def _radius(curvature: Array, eccentricity: float) -> Array:

@@ -197,29 +197,42 @@ def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> Lobe
         Throats; those of generated pairs lie on the path of contact.
     """
     if parameters.kind == "trochoidal":
-        return _trochoidal(parameters, rotors, place)
+        design = trochoid_of(parameters)
+        angle = place - 0.5 * np.pi
+        center = polar(design.generating_radius, angle)
+        normal = center - rotors.pitch_point
+        normal /= np.hypot(*normal.T)[:, None]
+        half_pitch = np.pi / design.lobe_count
+        path = design.path_curvature((place - half_pitch) / design.tooth_count)
+        inner_radius = 1.0 / path - design.lobe_radius - 0.5 * rotors.tip_clearance
+        outer_radius = design.lobe_radius - 0.5 * rotors.tip_clearance
+        return LobePath(
+            place=place,
+            point=center - design.lobe_radius * normal,
+            normal=normal,
+            gap=np.full_like(place, rotors.tip_clearance),
+            inner_curvature=1.0 / inner_radius,
+            outer_curvature=np.full_like(place, 1.0 / outer_radius),
+        )
     if parameters.kind == "cycloidal":
         return _cycloidal(rotors, place)
-    return _closest_approach(rotors, place)
-
-
-def _trochoidal(parameters: RotorParameters, rotors: Rotors, place: Array) -> LobePath:
-    design = trochoid_of(parameters)
-    angle = place - 0.5 * np.pi
-    center = polar(design.generating_radius, angle)
-    normal = center - rotors.pitch_point
-    normal /= np.hypot(*normal.T)[:, None]
-    half_pitch = np.pi / design.lobe_count
-    path = design.path_curvature((place - half_pitch) / design.tooth_count)
-    inner_radius = 1.0 / path - design.lobe_radius - 0.5 * rotors.tip_clearance
-    outer_radius = design.lobe_radius - 0.5 * rotors.tip_clearance
+    # throats where a lobe comes closest to the inner rotor
+    lobe, step = _lobe_samples(rotors)
+    turn = place - 0.5 * rotors.pitch
+    angle, along = np.broadcast_arrays(turn[:, None], lobe)
+    gap, _, normal, point = _throats(rotors, angle, along)
+    to_pitch = point - rotors.pitch_point
+    miss = normal[..., 0] * to_pitch[..., 1] - normal[..., 1] * to_pitch[..., 0]
+    best = np.argmin(gap + _MISS_WEIGHT * miss**2 / rotors.eccentricity, axis=1)
+    outer = nearest_place(rotors, turn, lobe[best], step)
+    gap, inner, normal, point = _throats(rotors, turn, outer)
     return LobePath(
         place=place,
-        point=center - design.lobe_radius * normal,
+        point=point - 0.5 * gap[:, None] * normal,
         normal=normal,
-        gap=np.full_like(place, rotors.tip_clearance),
-        inner_curvature=1.0 / inner_radius,
-        outer_curvature=np.full_like(place, 1.0 / outer_radius),
+        gap=gap,
+        inner_curvature=rotors.inner_curve.curvature(inner),
+        outer_curvature=-rotors.outer_curve.curvature(outer),
     )
 
 
@@ -257,31 +270,6 @@ def _inverse(radius: Array) -> Array:
     edge = 0.5 * RADIUS_RANGE[0]
     sharp = np.abs(radius) < edge
     return np.asarray(1.0 / np.where(sharp, edge, radius), dtype=float)
-
-
-def _closest_approach(rotors: Rotors, place: Array) -> LobePath:
-    """Throats where a lobe comes closest to the inner rotor.
-
-    Where several points of a lobe are equally close, the one whose normal passes nearest to the
-    pitch point is taken: it is the one that the law of gearing allows to touch.
-    """
-    lobe, step = _lobe_samples(rotors)
-    turn = place - 0.5 * rotors.pitch
-    angle, along = np.broadcast_arrays(turn[:, None], lobe)
-    gap, _, normal, point = _throats(rotors, angle, along)
-    to_pitch = point - rotors.pitch_point
-    miss = normal[..., 0] * to_pitch[..., 1] - normal[..., 1] * to_pitch[..., 0]
-    best = np.argmin(gap + _MISS_WEIGHT * miss**2 / rotors.eccentricity, axis=1)
-    outer = nearest_place(rotors, turn, lobe[best], step)
-    gap, inner, normal, point = _throats(rotors, turn, outer)
-    return LobePath(
-        place=place,
-        point=point - 0.5 * gap[:, None] * normal,
-        normal=normal,
-        gap=gap,
-        inner_curvature=rotors.inner_curve.curvature(inner),
-        outer_curvature=-rotors.outer_curve.curvature(outer),
-    )
 
 
 def _throats(rotors: Rotors, angle: Array, along: Array) -> tuple[Array, Array, Array, Array]:

@@ -97,24 +97,20 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
     slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:
-        return replace(_from_file(parameters, lands), slot=slot)
+        path = parameters.contour
+        polygons = [] if path is None else load_polygons(path, 1e-3)
+        sides = {
+            name: [p for p in polygons if sign * shapely.Polygon(p).centroid.x > 0.0]
+            for name, sign in (("inlet", 1.0), ("outlet", -1.0))
+        }
+        if any(len(found) != 1 for found in sides.values()):
+            counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
+            raise GeometryError(path, counts, "one closed curve on each side of x")
+        return replace(Ports(*lands, {name: found[0] for name, found in sides.items()}), slot=slot)
     angle = np.linspace(lands[1], np.pi - lands[0], _POLYGON_POINTS) - 0.5 * np.pi
     kidney = np.vstack([polar(outer, angle), polar(inner, angle[::-1])])
     mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
     return Ports(*lands, {"inlet": kidney, "outlet": mirrored}, slot)
-
-
-def _from_file(parameters: PortContourParameters, lands: tuple[float, float]) -> Ports:
-    path = parameters.contour
-    polygons = [] if path is None else load_polygons(path, 1e-3)
-    sides = {
-        name: [p for p in polygons if sign * shapely.Polygon(p).centroid.x > 0.0]
-        for name, sign in (("inlet", 1.0), ("outlet", -1.0))
-    }
-    if any(len(found) != 1 for found in sides.values()):
-        counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
-        raise GeometryError(path, counts, "one closed curve on each side of x")
-    return Ports(*lands, {name: found[0] for name, found in sides.items()})
 
 
 def openings(ports: Ports, pocket: Pockets, port: str) -> Array:

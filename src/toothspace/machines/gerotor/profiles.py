@@ -202,15 +202,6 @@ def inner_outline(design: Trochoid, points_per_tooth: int, offset: float) -> Arr
     ndarray, shape (n, 2)
         Closed counter-clockwise curve about the inner rotor's centre. [m]
     """
-    sigma = -_even_sagitta(design, points_per_tooth, offset)
-    center, rate, _ = design.center_path(sigma)
-    # the path runs clockwise over sigma: its inward normal is on the right of the rate
-    inward = -1j * rate / np.abs(rate)
-    point = center + (design.lobe_radius + offset) * inward
-    return np.column_stack([point.real, point.imag])
-
-
-def _even_sagitta(design: Trochoid, points_per_tooth: int, offset: float) -> Array:
     # chords of one sagitta: steps with the inverse square root of the curvature
     pitch = 2.0 * np.pi / design.tooth_count
     fine = pitch * np.arange(_SAMPLES + 1) / _SAMPLES
@@ -222,7 +213,12 @@ def _even_sagitta(design: Trochoid, points_per_tooth: int, offset: float) -> Arr
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (bend[1:] + bend[:-1]))])
     levels = summed[-1] * np.arange(points_per_tooth) / points_per_tooth
     one = np.interp(levels, summed, fine)
-    return (one[None, :] + pitch * np.arange(design.tooth_count)[:, None]).ravel()
+    sigma = -(one[None, :] + pitch * np.arange(design.tooth_count)[:, None]).ravel()
+    center, rate, _ = design.center_path(sigma)
+    # the path runs clockwise over sigma: its inward normal is on the right of the rate
+    inward = -1j * rate / np.abs(rate)
+    point = center + (design.lobe_radius + offset) * inward
+    return np.column_stack([point.real, point.imag])
 
 
 def outer_outline(design: Trochoid, points_per_lobe: int, offset: float) -> Array:

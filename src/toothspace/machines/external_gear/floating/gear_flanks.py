@@ -103,9 +103,6 @@ class GearFlanks:
 
     def acting(self, shaft_angle: float) -> list[BodyLoad]:
         """Loads at a shaft angle [rad], several for one name where chambers meet on a flank."""
-        return self._pressures(shaft_angle) + self._contacts(shaft_angle)
-
-    def _pressures(self, shaft_angle: float) -> list[BodyLoad]:
         profile, body = self._profile, BODIES[self.face.gear]
         steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
         radius = profile.root_radius + steps * (profile.tip_radius - profile.root_radius)
@@ -118,7 +115,7 @@ class GearFlanks:
             for node in np.unique(seen):
                 part = float(shares[seen == node, n].sum())
                 found.append(BodyLoad(body, name, "node", int(node), part))
-        return found
+        return found + self._contacts(shaft_angle)
 
     def _contacts(self, shaft_angle: float) -> list[BodyLoad]:
         """Force of every contact on the middle of its flank, and its share of the thrust."""
