@@ -6,7 +6,7 @@ module          responsibility
 case            the whole case: made, changed, written, hashed, its JSON Schema
 document        text of a file to tables with places, and tables to text
 overrides       values of key paths laid over tables
-rules           what several keys must fulfil together
+case_tables     tables of a case file, and what several keys must fulfil together
 shipped         cases that come with the package
 fingerprint     hashes of content, and what is kept by them
 conditions      fluid, operating point, numerical settings of the run

@@ -19,7 +19,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.case.rules import LEAST_LOAD
+from toothspace.case.case_tables import LEAST_LOAD
 from toothspace.closures.density import mixture_density
 from toothspace.closures.orifice import (
     DISCHARGE_COEFFICIENT,
