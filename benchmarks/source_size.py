@@ -27,7 +27,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
             "gear_files", "own_teeth", "profile_quality", "solid_contours",
         )),
         "machines/*/case_draft.py", "machines/gerotor/rotor_files.py",
-        "core/optional.py", "plotting/flank_deviation.py",
+        "core/lazy.py", "plotting/geometry.py",
     ),
     "validation book": ("validation/*", "report/validation_book.py"),
     "case model: checked on every construction, written back, all errors at once": (
@@ -35,8 +35,8 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "compilation in seconds": ("core/comp*", "warmup.py", "solver/compiled_model.py"),
     "files, interrupts, warnings of results": (
-        "core/files.py", "core/netcdf.py", "core/interrupts.py", "core/array_store.py",
-        "core/processes.py", "core/memory.py", "solver/accuracy.py", "results/io.py",
+        "core/files.py", "core/netcdf.py", "core/interrupts.py", "core/files.py",
+        "core/processes.py", "core/memory.py", "solver/accuracy.py", "results/solution.py",
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (

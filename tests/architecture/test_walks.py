@@ -27,7 +27,7 @@ from toothspace.core.status import Status
 from toothspace.report.html import write_report
 from toothspace.report.study import study_report_html
 from toothspace.results import variables
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 from toothspace.studies import run_study
 
 TYPE = """
@@ -141,7 +141,7 @@ from dataclasses import dataclass
 from typing import final
 
 from toothspace.core.keys import KeyTable, integer
-from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import StudyFigure
 from toothspace.plotting.style import new_figure
 from toothspace.studies.points import collected, operating_values, point, status_of
 from toothspace.studies.study import Study, StudyResult

@@ -9,9 +9,9 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
-from toothspace.core.design_check import DesignCheck
+from toothspace.core.finding import DesignCheck
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.model.description import ChamberFamily, FlowPath
 
 SHORT_CIRCUIT_LIMIT = 0.01

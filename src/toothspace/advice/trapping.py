@@ -22,9 +22,9 @@ from toothspace.advice.short_circuit import (
 )
 from toothspace.closures.gap_flow import curved_gap_conductance
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT, orifice_conductance
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
-from toothspace.core.design_check import DesignCheck
+from toothspace.core.finding import DesignCheck
 from toothspace.core.types import Array, IntArray
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears, displacement, relative_radius

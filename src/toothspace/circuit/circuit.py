@@ -11,7 +11,6 @@ from toothspace.circuit.network import PORT_NODES, CircuitNetwork, CircuitNode, 
 from toothspace.circuit.shaft_loads import SHAFT_PARTS
 from toothspace.circuit.stores import Tank
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import FrozenDict
 from toothspace.core.keys import (
@@ -24,6 +23,7 @@ from toothspace.core.keys import (
     items,
     quantity,
 )
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 
 ELEMENT_KEY = Variant(tag="kind", variants=ELEMENTS, doc="Circuit element.")
 MACHINE_PORTS = ("machine.inlet", "machine.outlet", "machine.drain")

@@ -3,13 +3,11 @@
 =========== ==========================================================
 module      responsibility
 =========== ==========================================================
-application the commands in their order
+application the commands in their order; shipped cases and fluids, schema, compiling ahead
 runs        runs, studies, films and their reduction
 machines    geometry of a machine, gears in CAD files
 pages       reports, comparison, validation book, form
-lists       shipped cases and fluids, schema, compiling ahead
-options     options, messages and exit codes that commands share
-output      summaries as text or JSON, messages, progress
+output      what commands share: options, exit codes, summaries as text or JSON, progress
 =========== ==========================================================
 """
 

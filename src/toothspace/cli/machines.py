@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toothspace.cli import output
-from toothspace.cli.options import CaseFile, Force, Json, Overrides, load, named, read_quantity
+from toothspace.cli.output import CaseFile, Force, Json, Overrides, load, named, read_quantity
 from toothspace.core.errors import CaseError
 from toothspace.core.files import require_writable
 from toothspace.core.registry import machine_type_names, optional_part
@@ -55,7 +55,7 @@ def geometry(
     for picture in plots:
         require_writable(picture, "--plot", replace=force, endings=_PICTURES)
     from toothspace import api
-    from toothspace.results.machine_tables import save_tables, save_tables_txt
+    from toothspace.results.file_layout import save_tables, save_tables_txt
 
     with named(case_file):
         description = api.describe(case)
@@ -176,7 +176,7 @@ def gear(
         if one.detected.involute is not None
     }
     if plot is not None and fits:
-        from toothspace.plotting.flank_deviation import flank_deviation
+        from toothspace.plotting.geometry import flank_deviation
         from toothspace.plotting.style import save_figure
 
         save_figure(flank_deviation(fits), plot)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toothspace.cli import output
-from toothspace.cli.options import (
+from toothspace.cli.output import (
     BAD_INPUT,
     INTERRUPTED,
     NUMERICAL_FAILURE,

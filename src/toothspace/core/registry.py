@@ -142,7 +142,7 @@ VIEWS: Mapping[str, str] = {
     "findings": "toothspace.advice.findings:findings_of",
     "figures": "toothspace.plotting.catalogue:available_figures",
     "report": "toothspace.report:write_report",
-    "card": "toothspace.report.card:solution_card",
+    "card": "toothspace.report.page:solution_card",
 }
 """Functions of a solution in rooms above the results, which therefore import none of them."""
 

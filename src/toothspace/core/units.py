@@ -15,6 +15,16 @@ from typing import Any, final
 
 from toothspace.core.errors import CaseError
 
+ATMOSPHERIC_PRESSURE = 101325.0
+"""Standard atmosphere, reference of free and dissolved air fractions. [Pa]"""
+
+ZERO_CELSIUS = 273.15
+"""Ice point. [K]"""
+
+AIR_GAS_CONSTANT = 287.05
+"""Specific gas constant of dry air. [J/(kg K)]"""
+
+
 _DEFINITIONS = """\
 milli- = 1e-3 = m-
 micro- = 1e-6 = u- = µ- = μ-

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.compiled import cache_root
+from toothspace.core.files import load_arrays, save_arrays
 from toothspace.core.types import Array
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.influence_matrix import InfluenceMatrix

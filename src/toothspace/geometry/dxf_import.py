@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.optional import package_of_extra
+from toothspace.core.lazy import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.chains import chain_closed
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.optional import package_of_extra
+from toothspace.core.lazy import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest, SolidBody, cut_bodies
 from toothspace.geometry.limited_reading import READ_HERE, read_sections

@@ -15,7 +15,6 @@ from toothspace.plotting import (
     geometry,
     losses,
     over_time,
-    rotors,
     section,
     waveforms,
 )
@@ -81,7 +80,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "pocket_cycle",
         "Pressure, volume and open port areas of one pocket over a turn of the outer rotor.",
         "pressure",
-        rotors.pocket_cycle,
+        bodies.pocket_cycle,
         ("chamber_pressure", "chamber_volume", "opening_area"),
         needs_machine=True,
         sampled="turn",
@@ -142,7 +141,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Shaft torque over a turn: as it is, and high-pass filtered as measurements are shown, "
         "without what a shaft that whirls adds.",
         "ripple",
-        rotors.torque_ripple,
+        bodies.torque_ripple,
         ("shaft_torque",),
         needs_machine=True,
         sampled="turn",
@@ -206,7 +205,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "tooth_contact_forces",
         "Contact force of every tooth of the outer rotor, and how many are loaded at a time.",
         "bodies",
-        lambda solution, _: rotors.tooth_contact_forces(solution),
+        lambda solution, _: bodies.tooth_contact_forces(solution),
         ("tooth_force",),
         sampled="steady",
         rotors=True,
@@ -216,7 +215,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Contact force over the place of a tooth, the largest pocket at the top. Single-contact "
         "theory has each tooth carry over one pitch.",
         "bodies",
-        lambda solution, _: rotors.contact_span(solution),
+        lambda solution, _: bodies.contact_span(solution),
         ("tooth_force",),
         sampled="turn",
         rotors=True,

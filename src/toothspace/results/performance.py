@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.model.path_category import DRAIN
-from toothspace.results import lost_flow, ripple
+from toothspace.results import ripple
 from toothspace.results.ledger import Ledger, loss_causes
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 _LITRE_PER_MINUTE = 6e4
 _BAR = 1e5
@@ -204,9 +205,9 @@ def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     for entry in loss_causes(ledger):
         causes[entry.cause] += entry.power
     lost = lost_flow_rate(data, ledger)
-    parts = lost_flow.parts_of(data)
-    leakage = lost_flow.leakages_of(parts) or means_by_label(data, "leakage")
-    parts = parts or {lost_flow.EXCHANGE: lost - sum(leakage.values())}
+    parts = parts_of(data)
+    leakage = leakages_of(parts) or means_by_label(data, "leakage")
+    parts = parts or {EXCHANGE: lost - sum(leakage.values())}
     flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
     return {
         **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
@@ -229,7 +230,7 @@ def lost_flow_of(ledger: Ledger, density: float, displacement: float, *, motor: 
     .. math:: Q_{lost} = V \omega - \dot m_{out} / \rho(p_{in})\ \text{(pump)},\qquad
               Q_{lost} = \dot m_{in} / \rho(p_{in}) - V \omega\ \text{(motor)}
 
-    Its parts are those of :mod:`toothspace.results.lost_flow`.
+    Its parts are those of :mod:`toothspace.results.performance`.
     """
     mass = ledger.mass.get("inlet" if motor else "outlet", 0.0)
     lost = density * displacement * ledger.shaft_angle - mass
@@ -355,3 +356,42 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
         position = float(data["bearing_position"].mean()) * 1e6
         numbers = {"bearing_position_um": position, **numbers}
     return numbers
+
+
+PRESSURE = "pressure_leakage_"
+"""Before the name of a path: what pressure drives back through it."""
+DRAG = "drag_leakage_"
+"""Before the name of a path: what moving walls drag through it, negative where they deliver."""
+COMPRESSION = "compression_flow"
+GAS = "gas_flow"
+PORT_VOLUMES = "port_volume_flow"
+EXCHANGE = "mesh_exchange_flow"
+
+LABELS: Mapping[str, str] = {
+    COMPRESSION: "compression of the liquid in the chambers",
+    GAS: "free gas and vapour in the chambers",
+    PORT_VOLUMES: "kept in port volumes and lines",
+    EXCHANGE: "timing, and exchange through ports, grooves and the mesh",
+}
+"""Parts of the lost flow besides the leakage of paths, with a readable name."""
+
+
+def parts_of(data: xr.Dataset) -> dict[str, float]:
+    """Parts of the lost flow of a result, empty if it has none. [m3/s]."""
+    if "lost_flow" not in data:
+        return {}
+    return {
+        str(name): float(value)
+        for name, value in zip(data["flow_part"].values, data["lost_flow"].values, strict=True)
+    }
+
+
+def leakages_of(parts: Mapping[str, float]) -> dict[str, float]:
+    """Leakage of every path, by pressure and drag together. [unit of the parts]."""
+    found: dict[str, float] = {}
+    for before in (PRESSURE, DRAG):
+        for name, value in parts.items():
+            if name.startswith(before):
+                path = name.removeprefix(before)
+                found[path] = found.get(path, 0.0) + value
+    return found

@@ -21,9 +21,9 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.conditions import HeatSettings
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.films.thermal import FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import LiquidState, liquid_at, temperature_range

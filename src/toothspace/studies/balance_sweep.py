@@ -32,8 +32,17 @@ from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.floating.motion import Balance
 from toothspace.floating.problem import LateralProblem, lateral_problem
 from toothspace.model.floating_bearing import HousingContact
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    StudyFigure,
+    new_figure,
+    styled,
+)
 from toothspace.results.summary_names import unit_of
 from toothspace.studies.bearing_points import (
     LateralPoints,

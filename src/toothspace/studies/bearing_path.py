@@ -38,13 +38,13 @@ from toothspace.floating.coupling import CoupledPoint
 from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
 from toothspace.model.floating_bearing import HousingContact
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
-from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import (
     BLUE,
     CYCLE,
     GREY,
     INK,
     ORANGE,
+    StudyFigure,
     contour_lines,
     new_figure,
     styled,

@@ -26,8 +26,16 @@ from toothspace.core.keys import (
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import from_si
-from toothspace.plotting.panels import StudyFigure, axis_title, panels_of
-from toothspace.plotting.style import BLUE, GREY, INK, ORANGE, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    StudyFigure,
+    axis_title,
+    panels_of,
+    styled,
+)
 from toothspace.results.summary_names import label_of
 from toothspace.studies.keys import check_span
 from toothspace.studies.least_squares import Fit, fit

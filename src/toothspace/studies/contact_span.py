@@ -20,8 +20,16 @@ from toothspace.core.keys import (
     number,
 )
 from toothspace.core.types import Array
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, angle_axis, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    StudyFigure,
+    angle_axis,
+    new_figure,
+    styled,
+)
 from toothspace.results.ripple import high_pass
 from toothspace.results.solution import Solution
 from toothspace.studies.keys import PRESSURE

@@ -24,8 +24,15 @@ from toothspace.core.keys import (
 )
 from toothspace.core.status import Status
 from toothspace.core.units import to_si
-from toothspace.plotting.panels import StudyFigure, axis_title, key_title, panels_of
-from toothspace.plotting.style import BLUE, ORANGE, styled
+from toothspace.plotting.style import (
+    BLUE,
+    ORANGE,
+    StudyFigure,
+    axis_title,
+    key_title,
+    panels_of,
+    styled,
+)
 from toothspace.results.summary_names import unit_of
 from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable

@@ -14,8 +14,17 @@ from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, file_path, grid
 from toothspace.core.units import from_si, parse_quantity
-from toothspace.plotting.panels import StudyFigure, axis_title, has_numbers, spread
-from toothspace.plotting.style import GREY, PRESSURE_COLOURS, contour_lines, new_figure, styled
+from toothspace.plotting.style import (
+    GREY,
+    PRESSURE_COLOURS,
+    StudyFigure,
+    axis_title,
+    contour_lines,
+    has_numbers,
+    new_figure,
+    spread,
+    styled,
+)
 from toothspace.results.summary_names import unit_of
 from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.measured import read_measured

@@ -25,8 +25,16 @@ from toothspace.core.keys import (
 )
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.plotting.panels import StudyFigure, axis_title, key_title
-from toothspace.plotting.style import BLUE, GREY, INK, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    StudyFigure,
+    axis_title,
+    key_title,
+    new_figure,
+    styled,
+)
 from toothspace.results.summary_names import require_known
 from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
 from toothspace.studies.least_squares import fit

@@ -12,8 +12,7 @@ from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, QuantityKey, grid, integer
 from toothspace.core.types import Array
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, GREEN, ORANGE, new_figure, styled
+from toothspace.plotting.style import BLUE, GREEN, ORANGE, StudyFigure, new_figure, styled
 from toothspace.results.ripple import (
     PulsationSource,
     harmonics,

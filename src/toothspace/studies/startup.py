@@ -15,8 +15,16 @@ from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, grid, integer
 from toothspace.core.units import from_si
-from toothspace.plotting.panels import StudyFigure, has_numbers
-from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    StudyFigure,
+    has_numbers,
+    new_figure,
+    styled,
+)
 from toothspace.studies.keys import SPEED
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record

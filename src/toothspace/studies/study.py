@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from toothspace.plotting.panels import StudyFigure
+    from toothspace.plotting.style import StudyFigure
 
 Row = Sequence[float | str]
 

@@ -19,15 +19,16 @@ from toothspace.core.keys import (
     require,
 )
 from toothspace.core.progress import Progress
-from toothspace.plotting.panels import (
+from toothspace.plotting.style import (
+    BLUE,
     StudyFigure,
     key_title,
     number_panels,
     shown_numbers,
     shown_unit,
     spread,
+    styled,
 )
-from toothspace.plotting.style import BLUE, styled
 from toothspace.studies.keys import VARY, check_vary
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.registry import run_study

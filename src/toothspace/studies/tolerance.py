@@ -11,15 +11,18 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.core.keys import KeyTable, choice, declare, integer
 from toothspace.core.types import Array
-from toothspace.plotting.panels import (
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
     StudyFigure,
     axis_title,
     number_panels,
     panels_of,
     short_name,
     shown_numbers,
+    styled,
 )
-from toothspace.plotting.style import BLUE, GREY, INK, styled
 from toothspace.results.summary_names import require_known
 from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
 from toothspace.studies.points import collected, point, status_of

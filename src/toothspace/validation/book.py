@@ -15,14 +15,13 @@ from toothspace.validation import (
     motor_startup,
     published_films,
     reference_machines,
-    service_manuals,
 )
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
 CLAIMS: tuple[Claim, ...] = (
     *published_films.CLAIMS,
     *reference_machines.CLAIMS,
-    *service_manuals.CLAIMS,
+    *reference_machines.SERVICE_MANUAL_CLAIMS,
     *motor_startup.CLAIMS,
     *lateral.CLAIMS,
     *gerotor.CLAIMS,

@@ -9,7 +9,7 @@ import xarray as xr
 from tests.fake_solution import fake_solution
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 
 
 @pytest.mark.parametrize("status", list(Status))

@@ -8,7 +8,7 @@ import numpy as np
 
 from toothspace.films.plane.pad import Pad, Pocket
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 
 def _reference() -> np.ndarray:

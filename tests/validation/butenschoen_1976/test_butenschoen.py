@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.films import JournalBearing
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 DIAMETER, CLEARANCE, VISCOSITY = 0.1, 50e-6, 0.01
 

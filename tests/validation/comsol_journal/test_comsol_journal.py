@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 ROWS = list(csv.DictReader(data_file("comsol_journal").read_text().splitlines()))
 LOAD, SPEED = 40e3, 10000.0 * np.pi / 30.0

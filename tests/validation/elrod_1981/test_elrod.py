@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 ROWS = [
     {key: float(text) for key, text in row.items()}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing, Lobes
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 ROWS = list(csv.DictReader(data_file("lund_thomsen_1978").read_text().splitlines()))
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.05, 100e-6, 0.01, 100.0

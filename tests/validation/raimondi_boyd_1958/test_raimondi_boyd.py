@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.films import JournalBearing
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 ROWS = list(csv.DictReader(data_file("raimondi_boyd_1958").read_text().splitlines()))
 

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 
 from toothspace.advice import gear_rules as rules
-from toothspace.advice.bearing_rules import bearing_checks
+from toothspace.advice.gear_rules import bearing_checks
 from toothspace.advice.short_circuit import opening_checks
-from toothspace.core.design_check import DesignCheck, warnings_of
+from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.advice.bearing_rules import bearing_checks
-from toothspace.advice.gear_rules import contact_ratio_check, pair_checks
+from toothspace.advice.gear_rules import bearing_checks, contact_ratio_check, pair_checks
 from toothspace.advice.short_circuit import TYPICAL, DesignCondition, opening_checks
 from toothspace.advice.strength import strength_checks
 from toothspace.advice.trapping import EnclosedMesh, sealing_edge, trapping_checks
-from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.core.errors import GeometryError
+from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.meshing import (

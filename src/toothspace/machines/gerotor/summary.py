@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toothspace.advice.bearing_rules import bearing_checks
-from toothspace.core.design_check import DesignCheck, warnings_of
+from toothspace.advice.gear_rules import bearing_checks
+from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.lobe_pairs import contact_ratio
