@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Literal, final, overload
 
 import numpy as np
 
@@ -37,6 +37,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from toothspace.model.description import MachineDescription
+
+
+class Summary(dict[str, Any]):
+    """Summary numbers by name; ``status`` alone is a text."""
+
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, name: Literal["status"], /) -> str: ...  # type: ignore[overload-overlap]
+        @overload
+        def __getitem__(self, name: str, /) -> float: ...
+        def __getitem__(self, name: str, /) -> float | str: ...
 
 
 @final
@@ -92,7 +104,7 @@ class Solution:
         kept = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return {**kept, "data": self.data.compute()}
 
-    def summary(self) -> dict[str, float | str]:
+    def summary(self) -> Summary:
         """Return the summary numbers, with unit suffixes, status and wall time."""
         wall = float(self.statistics.get("wall_time", math.nan))
         if "time" in self.data.sizes:
@@ -105,7 +117,7 @@ class Solution:
             numbers = performance.summary_numbers(self.data, self.ledger)
             numbers |= performance.lateral_numbers(self.data, self.statistics)
             numbers |= contact_numbers(self.data)
-        return {**numbers, "status": self.status.name.lower(), "wall_time_s": wall}
+        return Summary(**numbers, status=self.status.name.lower(), wall_time_s=wall)
 
     def tooth_contacts(self) -> ToothContacts:
         """Contacts of the teeth of a gerotor: ``loaded`` at each sample, ``span`` in pitches.
