@@ -70,7 +70,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
     "bearing blocks that follow their load": ("model/free_motions.py",),
-    "design rules of cross-port leakage": ("advice/short_circuit.py",),
+    "design rules of cross-port leakage": ("advice/trapping.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toothspace.advice.short_circuit import DesignCondition
+from toothspace.advice.trapping import DesignCondition
 from toothspace.closures.contact_cylindrical import hertz_pressure
 from toothspace.core.finding import DesignCheck
 from toothspace.gearing.flank_contacts import rigid_mesh

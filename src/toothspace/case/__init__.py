@@ -4,8 +4,8 @@
 module          responsibility
 =============== ==========================================================
 case            the whole case: made, changed, written, hashed, its JSON Schema
-document        text of a file to tables with places, and tables to text
-overrides       values of key paths laid over tables
+document        text of a file to tables with places, values of key paths laid over them, and
+                tables to text
 case_tables     tables of a case file, and what several keys must fulfil together
 shipped         cases that come with the package
 fingerprint     hashes of content, and what is kept by them

@@ -19,14 +19,16 @@ from toothspace.case.case_tables import (
 )
 from toothspace.case.document import (
     BASE,
+    CONDITIONS,
     Document,
     document_text,
     parse_document,
     read_document,
     require_ordinary,
+    split_override,
+    with_values,
 )
 from toothspace.case.fingerprint import cached_by_hash
-from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.shipped import shipped_case
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of

@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import Any
 
 from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
-from toothspace.case.overrides import CONDITIONS
+from toothspace.case.document import CONDITIONS
 from toothspace.case.presets import PRESETS, Preset
 from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase, LateralFilmCase
 from toothspace.circuit.circuit import Circuit

@@ -147,7 +147,7 @@ def study(
 ) -> int:
     """Run the study of a case: many runs with one question."""
     case = load(case_file, overrides)
-    from toothspace.studies.registry import run_study
+    from toothspace.studies.study import run_study
 
     folder = folder or Path(f"{case_file.stem}_study")
     if folder.exists() and not folder.is_dir():

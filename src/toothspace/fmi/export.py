@@ -24,8 +24,7 @@ from toothspace.fmi.operating_tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
 from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
 from toothspace.studies.points import status_of
-from toothspace.studies.records import Record, Records, failed_count
-from toothspace.studies.study import StudyContext, StudyResult
+from toothspace.studies.study import Record, Records, StudyContext, StudyResult, failed_count
 from toothspace.studies.tabulate import map_dataset
 from toothspace.studies.workers import Workers
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from toothspace.results.solution import Solution
-    from toothspace.studies.records import Record
+    from toothspace.studies.study import Record
 
 PULSATING = ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque")
 """Results of which the ripple is tabulated."""

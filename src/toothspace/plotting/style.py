@@ -15,7 +15,7 @@ import numpy as np
 
 from toothspace.core.files import draft_of
 from toothspace.core.types import Array
-from toothspace.results.summary_names import label_of
+from toothspace.results.variables import label_of
 
 if TYPE_CHECKING:
     import xarray as xr

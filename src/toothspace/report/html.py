@@ -19,7 +19,6 @@ from toothspace.core.types import Array
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
-from toothspace.plotting.over_time import speed_and_pressure
 from toothspace.plotting.section import (
     fixed_parts,
     fluid_cells,
@@ -40,6 +39,7 @@ from toothspace.plotting.style import (
     figure_to_svg,
     pdf_pages,
 )
+from toothspace.plotting.waveforms import speed_and_pressure
 from toothspace.report.page import format_value, quantity, render, shown_unit
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.performance import DRAG, LABELS, PRESSURE, by_label, parts_of

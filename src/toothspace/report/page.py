@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from toothspace.core.finding import status_line
 from toothspace.plotting.style import figure_to_svg
 from toothspace.results.solution import Solution
-from toothspace.results.summary_names import stem_and_unit
+from toothspace.results.variables import stem_and_unit
 
 _TEMPLATES = Path(__file__).parent / "templates"
 

@@ -43,7 +43,7 @@ from toothspace.plotting.style import (
     new_figure,
     styled,
 )
-from toothspace.results.summary_names import unit_of
+from toothspace.results.variables import unit_of
 from toothspace.studies.bearing_points import (
     LateralPoints,
     PointCondition,
@@ -51,9 +51,8 @@ from toothspace.studies.bearing_points import (
     point_key,
     prepare,
 )
-from toothspace.studies.keys import PRESSURE
-from toothspace.studies.records import DONE, Record
-from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import DONE, Record, Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -60,7 +60,6 @@ from toothspace.studies.bearing_points import (
     point_key,
     prepare,
 )
-from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     collected,
@@ -71,6 +70,7 @@ from toothspace.studies.points import (
 )
 from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, map_dataset, point_lists
+from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

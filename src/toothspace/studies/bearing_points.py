@@ -37,13 +37,11 @@ from toothspace.floating.problem import (
 from toothspace.model.description import MachineDescription
 from toothspace.model.floating_bearing import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
-from toothspace.results.summary_names import unit_of
-from toothspace.results.variables import variable
+from toothspace.results.variables import unit_of, variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
 from toothspace.run.run import Run
 from toothspace.studies.points import operating_point_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Record, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -36,14 +36,12 @@ from toothspace.plotting.style import (
     panels_of,
     styled,
 )
-from toothspace.results.summary_names import label_of
-from toothspace.studies.keys import check_span
+from toothspace.results.variables import label_of
 from toothspace.studies.least_squares import Fit, fit
 from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import Axis, axes_of, values_at, written_values
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import Axis, axes_of, check_span, values_at, written_values
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -32,12 +32,11 @@ from toothspace.plotting.style import (
 )
 from toothspace.results.ripple import high_pass
 from toothspace.results.solution import Solution
-from toothspace.studies.keys import PRESSURE
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import collected, operating_values, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult
 from toothspace.studies.tabulate import numbers_table, point_lists, record_arrays
+from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:
     import xarray as xr

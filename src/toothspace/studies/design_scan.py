@@ -33,10 +33,9 @@ from toothspace.plotting.style import (
     panels_of,
     styled,
 )
-from toothspace.results.summary_names import unit_of
-from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
+from toothspace.results.variables import unit_of
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import axes_of, unit_samples
+from toothspace.studies.variation import LIMITS, VARY, Limit, axes_of, check_vary, unit_samples
 
 if TYPE_CHECKING:
     import xarray as xr

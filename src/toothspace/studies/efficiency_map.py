@@ -25,8 +25,7 @@ from toothspace.plotting.style import (
     spread,
     styled,
 )
-from toothspace.results.summary_names import unit_of
-from toothspace.studies.keys import PRESSURE, SPEED
+from toothspace.results.variables import unit_of
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Evaluate,
@@ -37,9 +36,9 @@ from toothspace.studies.points import (
     status_of,
     summary_numbers,
 )
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult
 from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
+from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -15,8 +15,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.signals import read_number, read_rows, require_unit
 from toothspace.core.types import Array
 from toothspace.core.units import from_si, to_si
-from toothspace.results.summary_names import unit_of
-from toothspace.results.variables import VARIABLES
+from toothspace.results.variables import VARIABLES, unit_of
 
 _HEADER = re.compile(r"\s*([\w.]+)\s*(?:\[(.+)\])?\s*")
 _DIFFERENCE = "pressure_difference"

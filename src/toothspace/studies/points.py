@@ -16,8 +16,7 @@ from toothspace.core.files import plain
 from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.units import from_si
-from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
-from toothspace.studies.study import StudyContext
+from toothspace.studies.study import BAD_INPUT, FAILED, INTERRUPTED, Record, StudyContext
 from toothspace.studies.workers import WorkerLostError
 
 Evaluate = Callable[[Case], Mapping[str, Any]]

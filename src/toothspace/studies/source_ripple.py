@@ -21,8 +21,7 @@ from toothspace.results.ripple import (
     working_side,
 )
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,11 +25,10 @@ from toothspace.plotting.style import (
     new_figure,
     styled,
 )
-from toothspace.studies.keys import SPEED
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Record, Row, Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
+from toothspace.studies.variation import SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -29,12 +29,10 @@ from toothspace.plotting.style import (
     spread,
     styled,
 )
-from toothspace.studies.keys import VARY, check_vary
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.registry import run_study
-from toothspace.studies.study import Study, StudyContext, StudyResult
+from toothspace.studies.study import Study, StudyContext, StudyResult, run_study
 from toothspace.studies.tabulate import point_lists, points_dataset, points_table
-from toothspace.studies.variation import axes_of, grid, samples, written_values
+from toothspace.studies.variation import VARY, axes_of, check_vary, grid, samples, written_values
 
 if TYPE_CHECKING:
     import xarray as xr

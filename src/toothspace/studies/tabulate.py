@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toothspace.results.summary_names import unit_of
-from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import StudyTable
+from toothspace.results.variables import unit_of
+from toothspace.studies.study import Record, StudyTable, failed_count
 from toothspace.studies.variation import Axis
 
 if TYPE_CHECKING:

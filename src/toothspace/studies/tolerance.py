@@ -23,13 +23,27 @@ from toothspace.plotting.style import (
     shown_numbers,
     styled,
 )
-from toothspace.results.summary_names import require_known
-from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
+from toothspace.results.variables import require_known
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import (
+    Record,
+    Study,
+    StudyContext,
+    StudyResult,
+    StudyTable,
+    failed_count,
+)
 from toothspace.studies.tabulate import columns, points_dataset, points_table
-from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
+from toothspace.studies.variation import (
+    LIMITS,
+    VARY,
+    Limit,
+    axes_of,
+    check_vary,
+    unit_samples,
+    values_at,
+    written_values,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

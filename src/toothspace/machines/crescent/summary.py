@@ -9,7 +9,7 @@ import shapely
 
 from toothspace.advice import gear_rules as rules
 from toothspace.advice.gear_rules import bearing_checks
-from toothspace.advice.short_circuit import opening_checks
+from toothspace.advice.trapping import opening_checks
 from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair

@@ -12,7 +12,7 @@ from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.machines.external_gear import gear_bodies
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
-from toothspace.machines.external_gear.gear_faces import lateral_films
+from toothspace.machines.external_gear.gear_bodies import lateral_films
 from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import as_drawn, design_checks, geometry_summary

@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.advice.gear_rules import bearing_checks, contact_ratio_check, pair_checks
-from toothspace.advice.short_circuit import TYPICAL, DesignCondition, opening_checks
 from toothspace.advice.strength import strength_checks
-from toothspace.advice.trapping import EnclosedMesh, sealing_edge, trapping_checks
+from toothspace.advice.trapping import (
+    TYPICAL,
+    DesignCondition,
+    EnclosedMesh,
+    opening_checks,
+    sealing_edge,
+    trapping_checks,
+)
 from toothspace.core.errors import GeometryError
 from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array

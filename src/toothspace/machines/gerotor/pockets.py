@@ -26,7 +26,7 @@ from scipy.interpolate import CubicSpline
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import polar, signed_area, turned
-from toothspace.machines.gerotor.contact_search import distance_to_inner, nearest_place
+from toothspace.machines.gerotor.contact_table import distance_to_inner, nearest_place
 from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
 

@@ -29,8 +29,7 @@ from toothspace.machines.external_gear.floating.elastic_bodies import (
     wall_direction,
 )
 from toothspace.machines.external_gear.floating.gear_flanks import GearFlanks
-from toothspace.machines.external_gear.gear_bodies import BODIES, bodies
-from toothspace.machines.external_gear.gear_faces import FaceOfGear, film_face
+from toothspace.machines.external_gear.gear_bodies import BODIES, FaceOfGear, bodies, film_face
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import (
     AxialForce,

@@ -18,8 +18,7 @@ from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.spaces import drive_spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.gear_bodies import BODIES
-from toothspace.machines.external_gear.gear_faces import FaceOfGear
+from toothspace.machines.external_gear.gear_bodies import BODIES, FaceOfGear
 from toothspace.model.floating_bearing import BodyLoad
 
 _PATTERNS = 3
