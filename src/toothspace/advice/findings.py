@@ -60,7 +60,21 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     """Return the limits of a steady result: pressure, filling, films, contact, cavitation."""
     if "shaft_angle" not in solution.data.sizes or "chamber_pressure" not in solution.data:
         return []
-    found = [*_pressures(solution), *_temperature(solution), _cavitation_limit(solution)]
+    summary = solution.summary()
+    power = float(summary["cavitation_index_W"])
+    share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
+    found = [
+        *_pressures(solution),
+        *_temperature(solution),
+        JudgedLimit(
+            CAVITATION,
+            f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
+            "no vapour",
+            "met" if power == 0.0 else "exceeded",
+            "potential energy of cavities, Fortes-Patella, Reboud, Briancon-Marjollet (2004)",
+            _FILLED,
+        ),
+    ]
     if description is None:
         return found
     found += [*_filling(solution, description), *_bearings(solution, description)]
@@ -100,20 +114,6 @@ def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
             "Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source, _COOLER
         )
         yield entry if entry.verdict == "met" else entry._replace(verdict="not judged")
-
-
-def _cavitation_limit(solution: Solution) -> JudgedLimit:
-    summary = solution.summary()
-    power = float(summary["cavitation_index_W"])
-    share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
-    return JudgedLimit(
-        CAVITATION,
-        f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
-        "no vapour",
-        "met" if power == 0.0 else "exceeded",
-        "potential energy of cavities, Fortes-Patella, Reboud, Briancon-Marjollet (2004)",
-        _FILLED,
-    )
 
 
 def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:

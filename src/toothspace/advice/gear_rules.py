@@ -51,7 +51,23 @@ def pair_checks(
             interference_check(owner, margin, allowed=form.undercut),
             root_clearance_check(owner, pair.root_clearances[index], gear.module),
         ]
-    return (*checks, _backlash(pair), _trapped_volume(pair, face_width, vented=vented))
+    module, backlash = pair.drive.module, pair.normal_backlash
+    least, most = least_normal_backlash(module, pair.center_distance), MAX_BACKLASH * module
+    return (
+        *checks,
+        DesignCheck(
+            name="normal backlash",
+            value=backlash * 1e3,
+            unit="mm",
+            allowed=f"{least * 1e3:.3g} mm (ISO/TR 10064-2) to {most * 1e3:.3g} mm "
+            f"({MAX_BACKLASH:g} modules)",
+            passed=least <= backlash <= most,
+            reason="Less lets thermal growth and bearing play jam the flanks and throttles trapped "
+            "fluid between them; a wide one rattles and lets both sides of the mesh leak into each "
+            "other.",
+        ),
+        _trapped_volume(pair, face_width, vented=vented),
+    )
 
 
 def contact_ratio_check(ratio: float, largest: float = MAX_SPUR_CONTACT_RATIO) -> DesignCheck:
@@ -146,22 +162,6 @@ def least_normal_backlash(module: Real, center_distance: Real) -> Real:
     0.107
     """
     return (0.06e-3 + 0.0005 * center_distance + 0.03 * module) * 2.0 / 3.0
-
-
-def _backlash(pair: GearPair) -> DesignCheck:
-    module, backlash = pair.drive.module, pair.normal_backlash
-    least, most = least_normal_backlash(module, pair.center_distance), MAX_BACKLASH * module
-    return DesignCheck(
-        name="normal backlash",
-        value=backlash * 1e3,
-        unit="mm",
-        allowed=f"{least * 1e3:.3g} mm (ISO/TR 10064-2) to {most * 1e3:.3g} mm "
-        f"({MAX_BACKLASH:g} modules)",
-        passed=least <= backlash <= most,
-        reason="Less lets thermal growth and bearing play jam the flanks and throttles trapped "
-        "fluid between them; a wide one rattles and lets the two sides of the mesh leak into each "
-        "other.",
-    )
 
 
 def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> DesignCheck:

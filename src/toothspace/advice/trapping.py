@@ -232,21 +232,17 @@ def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:
         through = in_series(chain.throat.area, in_series(here.area[:, :-1], there.area[:, 1:]))
         joined += through.sum(axis=1)
     rate = float(np.mean(joined) * np.sqrt(2.0 * difference / DENSITY))
-    return Trapping(
-        peak_pressure=float(pressures.max()),
-        exchange_drop=_exchange_drop(chain, speed),
-        short_circuit=rate / (displacement(mesh.gears) * speed),
-    )
-
-
-def _exchange_drop(chain: MeshChain, speed: float) -> float:
     # a shut space that shrinks passes all through the wider of its throats
     sides = np.pad(chain.throat.area, ((0, 0), (1, 1)))
     wider = np.maximum(sides[:, :-1], sides[:, 1:])
     shut = chain.to_inlet.area + chain.to_outlet.area == 0.0
     shut &= (chain.growth < 0.0) & (wider > 0.0)
     velocity = speed * chain.growth[shut] / wider[shut]
-    return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
+    return Trapping(
+        peak_pressure=float(pressures.max()),
+        exchange_drop=float(0.5 * DENSITY * np.max(velocity**2, initial=0.0)),
+        short_circuit=rate / (displacement(mesh.gears) * speed),
+    )
 
 
 def _pressures(chain: MeshChain, is_pump: bool, condition: DesignCondition) -> Array:

@@ -47,7 +47,11 @@ def draft_of(target: str | Path) -> Iterator[Path]:
     target, draft = Path(target), None
     try:
         with interrupts_held():
-            draft = _new_draft(target)
+            handle, name = tempfile.mkstemp(
+                dir=target.parent, prefix=f".{target.name[:_LONGEST_PREFIX]}.", suffix=".part"
+            )
+            os.close(handle)
+            draft = Path(name)
         yield draft
         with draft.open("rb") as file:
             # a network disk may say only now that it is full
@@ -58,14 +62,6 @@ def draft_of(target: str | Path) -> Iterator[Path]:
         if draft is not None:
             draft.unlink(missing_ok=True)
         raise
-
-
-def _new_draft(target: Path) -> Path:
-    handle, name = tempfile.mkstemp(
-        dir=target.parent, prefix=f".{target.name[:_LONGEST_PREFIX]}.", suffix=".part"
-    )
-    os.close(handle)
-    return Path(name)
 
 
 def path_of(given: object, name: str, allowed: str) -> Path:

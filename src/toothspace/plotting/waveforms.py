@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import ChamberFamily, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.plotting.style import (
     BLUE,
     GREEN,
@@ -71,28 +71,24 @@ def chamber_pressure_over_turn(
             twin.set_ylim(0.0, 100.0)
             twin.set_ylabel("Gas and vapour (vol %)", color=GREEN)
             twin.grid(visible=False)
-        _mark_windows(axes, description, family)
+        low, high = axes.get_ylim()
+        shown = [c for c in openings_of(description) if opening_windows(description, family, c)]
+        step = 0.055 * (high - low)
+        for k, category in enumerate(shown):
+            level = low - (k + 1) * step
+            for start, end in opening_windows(description, family, category):
+                place = np.degrees([start, end]), [level, level]
+                axes.plot(*place, color=category.colour, linewidth=4.0, solid_capstyle="butt")
+            label = readable(category.label)
+            axes.plot([], [], color=category.colour, linewidth=4.0, label=label)
+        axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= high])
+        axes.set_ylim(low - (len(shown) + 1) * step, high)
+        if shown:
+            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
         span = float(np.degrees(family.volume.period))
         angle_axis(axes, f"Angle of the {readable(family.name).lower()} chamber (deg)", span)
         axes.set(ylabel="Pressure (bar)", title=readable(family.name))
     return figure
-
-
-def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFamily) -> None:
-    low, high = axes.get_ylim()
-    shown = [c for c in openings_of(description) if opening_windows(description, family, c)]
-    step = 0.055 * (high - low)
-    for k, category in enumerate(shown):
-        level = low - (k + 1) * step
-        for start, end in opening_windows(description, family, category):
-            place = np.degrees([start, end]), [level, level]
-            axes.plot(*place, color=category.colour, linewidth=4.0, solid_capstyle="butt")
-        label = readable(category.label)
-        axes.plot([], [], color=category.colour, linewidth=4.0, label=label)
-    axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= high])
-    axes.set_ylim(low - (len(shown) + 1) * step, high)
-    if shown:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
 
 
 @styled
@@ -139,7 +135,21 @@ def _waves_and_spectra(
     figure.suptitle(title)
     grid = figure.subplots(len(signals), 2, width_ratios=(3, 2), squeeze=False)
     for (left, right), (angle, signal, label, color) in zip(grid, signals, strict=True):
-        _waveform(left, angle, signal, label, color)
+        uniform, values, revolutions = whole_revolutions(angle, signal)
+        last = slice(-(uniform.size // revolutions), None)
+        degrees = np.degrees(uniform[last] - uniform[last][0])
+        left.plot(degrees, values[last], color=color)
+        left.axhline(float(np.mean(values)), color=GREY, linewidth=0.8, linestyle="--")
+        left.set_ylabel(label)
+        angle_axis(left, label="")
+        mean = float(np.mean(values))
+        if np.ptp(values) < AGREEMENT * max(abs(mean), 1e-30):
+            left.set_ylim(0.0, 1.2 * float(np.max(values)) or 1.0)
+            note = f"held at {mean:.4g}"
+        else:
+            note = f"mean {mean:.4g}, peak to peak {np.ptp(values):.3g}"
+            note += f" ({ripple_percent(values):.3g} %)" if "bar" not in label else ""
+        left.text(0.0, 1.02, note, transform=left.transAxes, ha="left", fontsize=7.5, color=GREY)
         _order_bars(right, angle, signal, color, teeth)
         right.set_ylabel(f"Amplitude {label[label.index('(') :]}")
     angle_axis(grid[-1][0])
@@ -149,24 +159,6 @@ def _waves_and_spectra(
     top = grid[0][1].secondary_xaxis("top", functions=scales)
     top.set_xlabel("Frequency (Hz)")
     return figure
-
-
-def _waveform(axes: Axes, angle: Array, signal: Array, label: str, color: str) -> None:
-    uniform, values, revolutions = whole_revolutions(angle, signal)
-    last = slice(-(uniform.size // revolutions), None)
-    degrees = np.degrees(uniform[last] - uniform[last][0])
-    axes.plot(degrees, values[last], color=color)
-    axes.axhline(float(np.mean(values)), color=GREY, linewidth=0.8, linestyle="--")
-    axes.set_ylabel(label)
-    angle_axis(axes, label="")
-    mean = float(np.mean(values))
-    if np.ptp(values) < AGREEMENT * max(abs(mean), 1e-30):
-        axes.set_ylim(0.0, 1.2 * float(np.max(values)) or 1.0)
-        note = f"held at {mean:.4g}"
-    else:
-        note = f"mean {mean:.4g}, peak to peak {np.ptp(values):.3g}"
-        note += f" ({ripple_percent(values):.3g} %)" if "bar" not in label else ""
-    axes.text(0.0, 1.02, note, transform=axes.transAxes, ha="left", fontsize=7.5, color=GREY)
 
 
 def _order_bars(axes: Axes, angle: Array, signal: Array, color: str, teeth: int | None) -> None:

@@ -151,7 +151,17 @@ def report_html(
         As for :func:`write_report`.
     """
     contents = report_contents(solution, description, note)
-    chapters = _chapters(solution, description, measured)
+    figures = figures_of(solution, description, measured)
+    names = {entry.name for entry, _ in figures}
+    turning = ""
+    if description is not None and "gear_section" in names:
+        turning = turning_section(solution, description)
+    chapters = []
+    for key, title in _CHAPTERS.items():
+        shown = [(e.name, e.caption, figure_to_svg(f)) for e, f in figures if e.chapter == key]
+        if shown:
+            picture = turning if key == "pressure" else ""
+            chapters.append({"key": key, "title": title, "figures": shown, "turning": picture})
     return render("report.html.j2", chapters=chapters, **contents)
 
 
@@ -160,17 +170,6 @@ def report_contents(
 ) -> dict[str, Any]:
     """Return the numbers and texts of a report by name, as page and document show them."""
     findings = findings_of(solution, description, note)
-    return {
-        **_numbers(solution),
-        **_machine(solution, description),
-        **_background(solution),
-        "limits": limits_of(solution, description),
-        "findings": findings,
-        "status_line": status_line(solution.status, findings),
-    }
-
-
-def _numbers(solution: Solution) -> dict[str, Any]:
     summary = solution.summary()
     names = _TRANSIENT_NUMBERS if "time" in solution.data.sizes else _KEY_NUMBERS
     rows = [
@@ -200,6 +199,11 @@ def _numbers(solution: Solution) -> dict[str, Any]:
         "temperatures": temperatures,
         "ledger_rows": rows,
         "ledger_notes": notes,
+        **_machine(solution, description),
+        **_background(solution),
+        "limits": limits_of(solution, description),
+        "findings": findings,
+        "status_line": status_line(solution.status, findings),
     }
 
 
@@ -314,23 +318,6 @@ def figures_of(
         return entry.draw(solution, description)
 
     return [(entry, drawn(entry)) for key in _CHAPTERS for entry in entries if entry.chapter == key]
-
-
-def _chapters(
-    solution: Solution, description: MachineDescription | None, measured: Measured | None
-) -> list[dict[str, Any]]:
-    figures = figures_of(solution, description, measured)
-    names = {entry.name for entry, _ in figures}
-    turning = ""
-    if description is not None and "gear_section" in names:
-        turning = turning_section(solution, description)
-    chapters = []
-    for key, title in _CHAPTERS.items():
-        shown = [(e.name, e.caption, figure_to_svg(f)) for e, f in figures if e.chapter == key]
-        if shown:
-            picture = turning if key == "pressure" else ""
-            chapters.append({"key": key, "title": title, "figures": shown, "turning": picture})
-    return chapters
 
 
 _BAR = 1e5

@@ -58,8 +58,17 @@ def write_result(
     """
     columns = dict(zip(_EVENT_FIELDS, zip(*events, strict=True), strict=False))
     event_data = dataset_from({name: np.asarray(values) for name, values in columns.items()}, {})
+    labels = {**ENERGY_ENTRIES, **ledger.path_losses}
+    values: dict[str, ArrayLike] = {
+        "ledger_mass": list(ledger.mass.values()),
+        "ledger_energy": list(ledger.energy.values()),
+        "ledger_label": [labels.get(name, name) for name in ledger.energy],
+        "window_duration": ledger.duration,
+        "window_shaft_angle": ledger.shaft_angle,
+    }
+    entries = {"mass_entry": list(ledger.mass), "energy_entry": list(ledger.energy)}
     dataset = xr.merge(
-        [data, _ledger_dataset(ledger), event_data],
+        [data, dataset_from(values, entries), event_data],
         combine_attrs="drop_conflicts",
         join="exact",
         compat="no_conflicts",
@@ -72,19 +81,6 @@ def write_result(
         PROVENANCE: " ".join(provenance),
     }
     return write_dataset(dataset, path)
-
-
-def _ledger_dataset(ledger: Ledger) -> xr.Dataset:
-    labels = {**ENERGY_ENTRIES, **ledger.path_losses}
-    values: dict[str, ArrayLike] = {
-        "ledger_mass": list(ledger.mass.values()),
-        "ledger_energy": list(ledger.energy.values()),
-        "ledger_label": [labels.get(name, name) for name in ledger.energy],
-        "window_duration": ledger.duration,
-        "window_shaft_angle": ledger.shaft_angle,
-    }
-    entries = {"mass_entry": list(ledger.mass), "energy_entry": list(ledger.energy)}
-    return dataset_from(values, entries)
 
 
 def read_ledger(dataset: xr.Dataset) -> Ledger:

@@ -150,7 +150,22 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         numbers["mean_loaded_contacts"] = mean_loaded_contacts(data)
     numbers["mass_balance_error"] = ledger.mass_balance_error
     numbers["energy_balance_error"] = ledger.energy_balance_error
-    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data, ledger)}
+    torque = means_by_label(data, "torque_loss")
+    causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
+    for entry in loss_causes(ledger):
+        causes[entry.cause] += entry.power
+    lost = lost_flow_rate(data, ledger)
+    parts = parts_of(data)
+    leakage = leakages_of(parts) or means_by_label(data, "leakage")
+    parts = parts or {EXCHANGE: lost - sum(leakage.values())}
+    flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
+    return {
+        **numbers,
+        **_operating_numbers(data, ledger),
+        **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
+        **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
+        **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
+    }
 
 
 def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
@@ -197,23 +212,6 @@ def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         if films.size:
             numbers["highest_film_temperature_degC"] = float(films.max()) - ZERO_CELSIUS
     return numbers
-
-
-def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
-    torque = means_by_label(data, "torque_loss")
-    causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
-    for entry in loss_causes(ledger):
-        causes[entry.cause] += entry.power
-    lost = lost_flow_rate(data, ledger)
-    parts = parts_of(data)
-    leakage = leakages_of(parts) or means_by_label(data, "leakage")
-    parts = parts or {EXCHANGE: lost - sum(leakage.values())}
-    flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
-    return {
-        **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
-        **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
-        **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
-    }
 
 
 def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:

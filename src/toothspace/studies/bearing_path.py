@@ -713,7 +713,15 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
     if "balance_ratio" in data.dims:
         return balance_sweep.figures(data)
     if "shaft_speed" in data.dims:
-        return _map_figures(data)
+        found = all(name in data for name, _, _ in _MAPS)
+        if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
+            return []
+        caption = (
+            "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are "
+            "the computed points, crosses those without equilibrium. Few asperities should touch "
+            "where the pump runs."
+        )
+        return [StudyFigure("bearing_map", caption, film_contours(data))]
     over_nose = float(np.ptp(data["nose_pressure_bar"].values)) > 0.0
     return _nose_figures(data) if over_nose else _loop_figures(data)
 
@@ -848,19 +856,6 @@ def nose_lines(data: xr.Dataset) -> Figure:
     return figure
 
 
-def _map_figures(data: xr.Dataset) -> list[StudyFigure]:
-    """Return maps of the films over shaft speed and outlet pressure."""
-    found = all(name in data for name, _, _ in _MAPS)
-    if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
-        return []
-    caption = (
-        "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are the "
-        "computed points, crosses those without equilibrium. Few asperities should touch where the "
-        "pump runs."
-    )
-    return [StudyFigure("bearing_map", caption, film_contours(data))]
-
-
 @styled
 def film_contours(data: xr.Dataset) -> Figure:
     """Smallest film, asperity load, wear, position, leakage and torque over speed and pressure."""
@@ -891,19 +886,15 @@ def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
     low, high = float(values.min()), float(values.max())
     scale: Normalize
     if low > 0.0 and high > _WIDE * low:
-        levels, scale = _one_two_five(low, high), LogNorm(low, high)
+        # 1, 2 and 5 times powers of ten, closer levels in a narrow range
+        steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+        decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+        every = np.outer(decades, steps).ravel()
+        levels, scale = every[(every >= low / _NEXT) & (every <= high * _NEXT)], LogNorm(low, high)
     else:
         levels = np.asarray(MaxNLocator(_LEVELS, min_n_ticks=4).tick_values(low, high))
         scale = Normalize(levels[0], levels[-1])
     contour_lines(axes, grid, levels, cmap=colours, norm=scale)
-
-
-def _one_two_five(low: float, high: float) -> Array:
-    """Levels 1, 2 and 5 times powers of ten round a range, closer ones in a narrow range."""
-    steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    every = np.outer(decades, steps).ravel()
-    return every[(every >= low / _NEXT) & (every <= high * _NEXT)]
 
 
 STUDY = Study(BearingPathStudy, run, figures)

@@ -119,7 +119,15 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     model = _Model(case, axes, measured, context, used, study.evaluation_count)
     status = Status.DONE
     try:
-        found = fit(model.residuals, _start(case, axes), study.evaluation_count)
+        # begins with the values of the case, where they lie within the bounds
+        shares = np.full(len(axes), 0.5)
+        for k, axis in enumerate(axes):
+            value = case.value(axis.path)
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                own = from_si(value, axis.unit) if axis.unit else value
+                share = (own - axis.low) / (axis.high - axis.low)
+                shares[k] = share if 0.0 < share < 1.0 else 0.5
+        found = fit(model.residuals, shares, study.evaluation_count)
         if not found.converged:
             status = Status.NOT_CONVERGED
         predicted = model.predicted(found.shares)
@@ -248,18 +256,6 @@ def _enough(used: Array, measured: Measured, keys: int, label: str) -> Array:
         found = f"{numbers} numbers for {keys} keys"
         raise CaseError(f"{label}: study.data", found, "at least as many as keys")
     return used
-
-
-def _start(case: Case, axes: Sequence[Axis]) -> Array:
-    """Values that stand in the case, where they lie within the bounds; else the middle."""
-    shares = np.full(len(axes), 0.5)
-    for k, axis in enumerate(axes):
-        value = case.value(axis.path)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            own = from_si(value, axis.unit) if axis.unit else value
-            share = (own - axis.low) / (axis.high - axis.low)
-            shares[k] = share if 0.0 < share < 1.0 else 0.5
-    return shares
 
 
 def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:

@@ -131,7 +131,15 @@ def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
     channels = {}
     for k, (name, unit) in enumerate(head):
         if k not in keys:
-            channels[name] = _in_unit_of_name(path, name, unit, table[:, k])
+            column = table[:, k]
+            wanted = unit_of(name).replace("cm3", "cm^3").replace("%", "1")
+            require_unit(path, name, unit.replace("%", "1"), wanted)
+            if wanted in {"1", unit}:
+                channels[name] = column
+            else:
+                channels[name] = np.array(
+                    [from_si(to_si(x, unit), wanted) for x in column.tolist()]
+                )
     if not channels:
         allowed = "columns of summary numbers, such as 'mean_flow_L_per_min [L/min]'"
         raise CaseError(f"{path}: columns", [name for name, _ in head], allowed)
@@ -145,11 +153,3 @@ def _units(path: Path, name: str) -> str:
         allowed = ", ".join([*known, _DIFFERENCE])
         raise CaseError(f"{path}: columns", f"{name!r}", allowed)
     return found.units.replace("m3", "m^3")
-
-
-def _in_unit_of_name(path: Path, name: str, unit: str, column: Array) -> Array:
-    wanted = unit_of(name).replace("cm3", "cm^3").replace("%", "1")
-    require_unit(path, name, unit.replace("%", "1"), wanted)
-    if wanted in {"1", unit}:
-        return column
-    return np.array([from_si(to_si(x, unit), wanted) for x in column.tolist()])

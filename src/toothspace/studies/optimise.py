@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, final
@@ -126,7 +126,10 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, OptimiseStudy)
-    _require_known(case, study)
+    wanted = {"study.objective": study.objective} if study.objective else {}
+    wanted |= {f"study.targets.{name}": name for name in study.targets or {}}
+    wanted |= {f"study.constraints.{name}": name for name in study.constraints or {}}
+    require_known(wanted, case.label, over_time=case.circuit is not None)
     search = _TriedPoints(case, study, context)
     status = Status.DONE
     try:
@@ -153,13 +156,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers=search.numbers(best),
         tables=(*search.best_table(best), points_table(search.axes, search.rows, search.records)),
     )
-
-
-def _require_known(case: Case, study: OptimiseStudy) -> None:
-    wanted = {"study.objective": study.objective} if study.objective else {}
-    wanted |= {f"study.targets.{name}": name for name in study.targets or {}}
-    wanted |= {f"study.constraints.{name}": name for name in study.constraints or {}}
-    require_known(wanted, case.label, over_time=case.circuit is not None)
 
 
 @final
@@ -209,7 +205,15 @@ class _TriedPoints:
         records = evaluate_points(points, self._counting())
         self.rows += rows
         self.records += records
-        self._check_names(records)
+        study = self.study
+        wanted = [*(study.targets or {}), *(study.constraints or {})]
+        wanted += [study.objective] if study.objective else []
+        for record in records:
+            missing = [name for name in wanted if name not in record.numbers]
+            if record.succeeded and missing:
+                allowed = ", ".join(record.numbers)
+                found = f"{missing[0]!r}, which is no result"
+                raise CaseError("study", found, allowed).in_file(self.case.label)
         return records
 
     def _counting(self) -> StudyContext:
@@ -225,17 +229,6 @@ class _TriedPoints:
             report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
 
         return StudyContext(progress, self.context.workers, self.context.records)
-
-    def _check_names(self, records: Sequence[Record]) -> None:
-        study = self.study
-        wanted = [*(study.targets or {}), *(study.constraints or {})]
-        wanted += [study.objective] if study.objective else []
-        for record in records:
-            missing = [name for name in wanted if name not in record.numbers]
-            if record.succeeded and missing:
-                allowed = ", ".join(record.numbers)
-                found = f"{missing[0]!r}, which is no result"
-                raise CaseError("study", found, allowed).in_file(self.case.label)
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

@@ -99,7 +99,15 @@ class Records:
         if path is None:
             return
         if resume and path.is_file():
-            self._found = _read(path)
+            found = {}
+            for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+                try:
+                    record = Record(**json.loads(line))
+                except (ValueError, TypeError):
+                    continue  # a line that a crash cut short
+                if record.succeeded:
+                    found[record.key] = record
+            self._found = found
         path.parent.mkdir(parents=True, exist_ok=True)
         if not os.access(path.parent, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path.parent))
@@ -138,18 +146,6 @@ def failed_count(records: Sequence[Record]) -> int:
 
 def _line(record: Record) -> str:
     return json.dumps(asdict(record)) + "\n"
-
-
-def _read(path: Path) -> dict[str, Record]:
-    found = {}
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        try:
-            record = Record(**json.loads(line))
-        except (ValueError, TypeError):
-            continue  # a line that a crash cut short
-        if record.succeeded:
-            found[record.key] = record
-    return found
 
 
 @final
