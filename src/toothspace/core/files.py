@@ -13,8 +13,6 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from toothspace.core.errors import CaseError, GeometryError, ToothspaceError
 from toothspace.core.interrupts import interrupts_held
 
@@ -241,6 +239,8 @@ _DIGEST = "digest"
 
 def load_arrays(path: Path) -> dict[str, Any] | None:
     """Return the arrays of a file by name; None if it is missing, damaged or another's."""
+    import numpy as np
+
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
             arrays = {name: data[name] for name in data.files}
@@ -252,6 +252,8 @@ def load_arrays(path: Path) -> dict[str, Any] | None:
 
 def save_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
     """Write arrays by name to a file that is complete or not there; a full disk is no error."""
+    import numpy as np
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with draft_of(path) as draft, draft.open("wb") as file:
@@ -272,6 +274,8 @@ def keep_arrays(path: Path, arrays: Mapping[str, Any], most_files: int) -> None:
 
 
 def _digest(arrays: Mapping[str, Any]) -> Any:
+    import numpy as np
+
     digest = hashlib.sha256()
     for name in sorted(arrays):
         array = np.ascontiguousarray(arrays[name])
