@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.geometry.flank_deviation import ProfileDeviation
-from toothspace.geometry.involute_fit import InvoluteFit
+from toothspace.geometry.involute_fit import InvoluteFit, ProfileDeviation
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.path_category import PathCategory
 from toothspace.plotting.style import (

@@ -15,11 +15,10 @@ from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.gearing.meshing import lens_angle
 from toothspace.gearing.numbering import Numbering
-from toothspace.gearing.outlines import space_outlines
+from toothspace.gearing.openings import space_outlines
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
-from toothspace.geometry.curve import polar, signed_area
+from toothspace.geometry.curve import enclosed, polar, signed_area
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.geometry.polygon import enclosed
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.shared_bearings import (
     BEARINGS,

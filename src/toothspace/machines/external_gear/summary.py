@@ -32,9 +32,9 @@ from toothspace.gearing.meshing import (
 )
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.gear_data import gear_data
+from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.geometry.mesh_clearance import normal_play
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
 from toothspace.machines.external_gear.spec import Gear

@@ -13,7 +13,7 @@ import shapely.affinity
 
 from toothspace.core.errors import GeometryError
 from toothspace.elasticity.body import ElasticBody
-from toothspace.elasticity.solid_file import SolidFile
+from toothspace.elasticity.mesh import SolidFile
 from toothspace.gearing.numbering import Numbering
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.floating.elastic_bodies import (
