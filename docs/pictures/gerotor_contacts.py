@@ -19,7 +19,7 @@ from toothspace.machines.gerotor.profiles import Rotors
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, styled
 
 CLEARANCE = 40e-6
-DISPLACEMENT, ROTATION = (-3.3e-6, -5.7e-6), -2.1e-3  # mean of gerotor_cycloidal
+DISPLACEMENT, ROTATION = (-3.3e-6, -5.7e-6), -2.1e-3  # mean with 20 um at the faces
 NODE = 20
 
 

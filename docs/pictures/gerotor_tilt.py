@@ -27,7 +27,12 @@ OPPOSITE = {"one": "plain side", "both": "recessed side"}
 
 def solved(covers: str) -> BodiesBetweenCovers:
     """Rotors at the condition of the case, with kidneys in one cover or both."""
-    given = ("machine.lateral.position=free", f"machine.ports.covers={covers}")
+    given = (
+        "machine.lateral.position=free",
+        "machine.lateral.side_gap=20 um",
+        "machine.rotors.tip_clearance=40 um",
+        f"machine.ports.covers={covers}",
+    )
     case = api.load_case(CASE, given)
     machine = api.describe(case)
     assert machine.shared_faces is not None

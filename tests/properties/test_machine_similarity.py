@@ -81,12 +81,19 @@ def compare(one: Solution, other: Solution, factor: float, tolerance: float) -> 
         # angles go on round the circle, temperatures of bodies hang on conduction
         if values.dtype.kind != "f" or values.attrs["units"] in ("rad", "K"):
             continue
+        if name == "tip_gap_minimum":
+            continue  # a casing that is cut leaves the least gap of a formula, of one length
         expected = values * factor ** power_of(values.attrs["units"])
         # angles agree to round-off only
         error = expected.copy(data=other.data[name].values - expected.values)
-        if "shaft_angle" in error.dims:
-            error = error.mean("shaft_angle")
+        error = error.mean([dim for dim in ("shaft_angle", "dense_angle") if dim in error.dims])
+        if "flow_part" in error.dims:
+            error = error.sum("flow_part")  # what a short run stores moves between the parts
         allowed = tolerance * float(np.abs(expected).max())
+        if name.endswith(("_minimum", "_maximum")):
+            allowed *= 10.0  # extremes hang on single steps
+        if name.endswith("_share"):
+            allowed = max(allowed, 2.0 / one.data.sizes["dense_angle"])  # shares of samples
         assert float(np.abs(error).max()) <= allowed, (name, error.values, allowed)
 
 

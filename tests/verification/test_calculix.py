@@ -22,8 +22,8 @@ from toothspace.elasticity import (
     influence_matrix,
 )
 from toothspace.elasticity.elements import stiffness_matrix
-from toothspace.elasticity.loads import AreaPressure
 from toothspace.elasticity.mesh import SolidMesh
+from toothspace.elasticity.surface_loads import AreaPressure
 
 MODULUS, POISSON, HEIGHT, PRESSURE = 100e9, 0.33, 12e-3, 10e6
 SECTION = annulus(10e-3, 25e-3)

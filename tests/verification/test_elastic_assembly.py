@@ -42,8 +42,8 @@ from toothspace.machines.external_gear.floating.floating_parameters import (
     PressureAreaParameters,
     SpringParameters,
 )
+from toothspace.machines.external_gear.gear_bodies import BODIES
 from toothspace.machines.external_gear.gear_faces import FaceOfGear
-from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.film_faces import FILM
 from toothspace.model.floating_bearing import BodyLoad, LateralBalance

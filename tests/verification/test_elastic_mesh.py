@@ -11,7 +11,7 @@ from tests.external_gear_designs import egm12, fuel14
 from toothspace.gearing.flank_contacts import tooth_stiffness
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble as assemble_gears
-from toothspace.machines.external_gear.loads import flank_pair
+from toothspace.machines.external_gear.gear_bodies import flank_pair
 from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import GasModel, fluid_law

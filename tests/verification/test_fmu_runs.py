@@ -13,10 +13,11 @@ import pytest
 import toothspace as ts
 from toothspace.case import Case
 from toothspace.fmi.archive import found_compiler
+from toothspace.solver.accuracy import ENERGY_BALANCE
 
 SPEEDS, PRESSURES = (900.0, 1500.0), (60.0, 140.0)  # rpm, bar
 MEANS = ("shaft_power", "hydraulic_power", "power_loss", "volumetric_efficiency")
-HOST = Path(__file__).resolve().parents[1] / "unit" / "data" / "fmu_host.c"
+HOST = Path(__file__).resolve().parents[1] / "unit" / "fmi" / "data" / "fmu_host.c"
 
 pytestmark = pytest.mark.skipif(found_compiler() is None, reason="no C compiler")
 
@@ -29,6 +30,7 @@ def case() -> Case:
             "run.samples_per_revolution": 360,
             "run.relative_tolerance": 1e-5,
             "operating_point.outlet_load": "fixed_pressure",
+            "heat.model": "network",  # rounds of the heat leave 0.1 K
         }
     )
 
@@ -102,7 +104,10 @@ def test_powers_and_flows_are_those_of_a_run(
     for name, value in of_run.items():
         assert found[name] == pytest.approx(value, rel=within[0]), name
     assert found["power_loss"] == pytest.approx(
-        ledger.loss_energy / ledger.duration, rel=within[1], abs=within[0] * found["shaft_power"]
+        # the powers differ from the losses by what the ledger leaves open
+        ledger.loss_energy / ledger.duration,
+        rel=within[1],
+        abs=max(within[0], ENERGY_BALANCE) * found["shaft_power"],
     )
     # what goes in comes out or is lost, at any point
     balance = found["shaft_power"] - found["hydraulic_power"] - found["power_loss"]

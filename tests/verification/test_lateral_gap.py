@@ -22,7 +22,7 @@ from tests.lateral_stack import (
 )
 from toothspace.core.types import Array
 from toothspace.films import FilmFluid, LateralFilm
-from toothspace.floating.coupled_run import seat_warning
+from toothspace.floating.coupled_run import hold_down_warning
 from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -375,13 +375,13 @@ def test_seat_of_the_solid_bearing_is_where_the_film_presses() -> None:
     """High pressure on the +x side presses beside the middle."""
     stack = ring_stack(limit=0.0, rough=False)
     state = _solved(stack, stack.start(4e-6))
-    force, about_x, about_y = state.solid_seat(LOW)
+    force, about_x, about_y = state.hold_down(LOW)
     film = state.films[1]
     push = float(((film.pressure - LOW) * film.grid.area).sum())
     place = float(((film.pressure - LOW) * film.grid.area * film.grid.points.x).sum()) / push
     assert force == pytest.approx(push, rel=1e-9)
     assert -about_y / force == pytest.approx(place, rel=1e-9)
-    assert state.seat_margin(LOW) == pytest.approx(OUTER - np.hypot(place, about_x / force))
+    assert state.tipping_margin(LOW) == pytest.approx(OUTER - np.hypot(place, about_x / force))
     assert place > 1e-3
 
 
@@ -395,9 +395,9 @@ def test_solid_bearing_that_lifts_off_or_tips_is_reported() -> None:
         LateralSettings(),
     )
     numbers = numbers_of(problem, problem.started(4e-6))
-    assert seat_warning(numbers) == ""
-    assert "tips on its cover" in seat_warning(replace(numbers, seat_margin=-1e-3))
-    assert "lifts off its cover: 12 N" in seat_warning(replace(numbers, seat_force=-12.0))
+    assert hold_down_warning(numbers) == ""
+    assert "tips on its cover" in hold_down_warning(replace(numbers, tipping_margin=-1e-3))
+    assert "lifts off its cover: 12 N" in hold_down_warning(replace(numbers, hold_down_force=-12.0))
 
 
 def test_axial_force_of_helical_teeth_presses_the_gear_to_the_floating_side() -> None:
@@ -414,7 +414,7 @@ def test_axial_force_of_helical_teeth_presses_the_gear_to_the_floating_side() ->
     assert carried[1][0] - carried[1][1] == pytest.approx(push, rel=1e-3)
     near, far = (float(f.gap.mean()) for f in pushed.states[0].films)
     assert near < far
-    seats = [float(b.states[0].solid_seat(LOW)[0]) for b in (plain, pushed)]
+    seats = [float(b.states[0].hold_down(LOW)[0]) for b in (plain, pushed)]
     assert seats[0] - seats[1] == pytest.approx(push, rel=1e-3)
 
 

@@ -10,6 +10,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, ClassVar, final
 
+from toothspace.case.case_tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
 from toothspace.case.document import (
     Document,
     document_text,
@@ -21,7 +22,6 @@ from toothspace.case.fingerprint import cached_by_hash
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
-from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of
 from toothspace.core.keys import FileText, Problems, Source, Table, shown

@@ -7,11 +7,11 @@ from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
+from toothspace.case.case_tables import CaseTables
 from toothspace.case.conditions import HeatSettings
 from toothspace.case.overrides import CONDITIONS
 from toothspace.case.presets import PRESETS, Preset
 from toothspace.case.stand_alone import LateralFilmCase
-from toothspace.case.tables import CaseTables
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.units import format_si
 from toothspace.model.operating_point import OperatingCondition

@@ -9,7 +9,7 @@ restrictions  orifices, valves, coolers
 lines         hoses and lines with waves
 pumps         supply pumps
 stores        volumes, accumulators, tanks
-loads         what is on the shaft: speed or torque sources, fans, inertias, couplings
+shaft_loads   what is on the shaft: speed or torque sources, fans, inertias, couplings
 elements      all kinds of elements, all laws
 circuit       ``[circuit]`` and the network that it makes
 ============= ======================================================================

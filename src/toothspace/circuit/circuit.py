@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 from toothspace.circuit.elements import ELEMENTS
-from toothspace.circuit.loads import SHAFT_PARTS
 from toothspace.circuit.network import PORT_NODES, CircuitNetwork, CircuitNode, FluidPart
+from toothspace.circuit.shaft_loads import SHAFT_PARTS
 from toothspace.circuit.stores import Tank
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from toothspace.circuit.lines import FluidColumn, Hose
-from toothspace.circuit.loads import Coupling, Fan, Inertia, SpeedSource, TorqueSource
 from toothspace.circuit.network import KIND
 from toothspace.circuit.pumps import MappedPump, PumpMap, SupplyPump, mapped_flow, pump_flow
 from toothspace.circuit.restrictions import (
@@ -21,6 +20,7 @@ from toothspace.circuit.restrictions import (
     proportional_flow,
     resistance_of,
 )
+from toothspace.circuit.shaft_loads import Coupling, Fan, Inertia, SpeedSource, TorqueSource
 from toothspace.circuit.stores import Accumulator, Tank, Volume
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array

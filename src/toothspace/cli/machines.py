@@ -55,7 +55,7 @@ def geometry(
     for picture in plots:
         require_writable(picture, "--plot", replace=force, endings=_PICTURES)
     from toothspace import api
-    from toothspace.results.tables import save_tables, save_tables_txt
+    from toothspace.results.machine_tables import save_tables, save_tables_txt
 
     with named(case_file):
         description = api.describe(case)

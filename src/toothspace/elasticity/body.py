@@ -11,8 +11,8 @@ import scipy.sparse as sp
 import shapely
 
 from toothspace.core.types import BoolArray, IntArray
-from toothspace.elasticity.loads import Load, face_points
 from toothspace.elasticity.mesh import Prism, SolidMesh, sweep
+from toothspace.elasticity.surface_loads import Load, face_points
 from toothspace.elasticity.surfaces import FilmSurface, Side, looks
 
 

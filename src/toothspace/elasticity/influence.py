@@ -17,8 +17,8 @@ from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import nodal_masses, stiffness_matrix
 from toothspace.elasticity.influence_matrix import InfluenceMatrix
-from toothspace.elasticity.loads import face_points, load_columns
 from toothspace.elasticity.mesh import SolidMesh
+from toothspace.elasticity.surface_loads import face_points, load_columns
 from toothspace.elasticity.surfaces import FilmSurface, PlaneSurface
 
 COARSER = 1.5

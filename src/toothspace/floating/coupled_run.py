@@ -119,7 +119,7 @@ def _with_films(
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
     rise, numbers = point.temperature_rise, point.numbers
     return replace(solution, status=status, data=data).with_note(
-        seat_warning(numbers),
+        hold_down_warning(numbers),
         equilibrium_warning(point),
         lateral_leakage=numbers.leakage,
         lateral_leakage_mismatch=point.leakage_mismatch,
@@ -131,8 +131,8 @@ def _with_films(
         lateral_contact_share=numbers.contact_share,
         lateral_wear_power=numbers.wear_power,
         lateral_housing_friction=numbers.friction_force,
-        solid_bearing_seat_force=numbers.seat_force,
-        solid_bearing_seat_margin=numbers.seat_margin,
+        solid_bearing_seat_force=numbers.hold_down_force,
+        solid_bearing_seat_margin=numbers.tipping_margin,
         lateral_axial_force=force,
         lateral_axial_moment=moment,
         **({} if rise is None else {"lateral_temperature_rise": rise}),
@@ -144,17 +144,17 @@ def _with_films(
     )
 
 
-def seat_warning(numbers: LateralNumbers) -> str:
-    """Warning about the seat of the solid bearing, empty if it sits on its cover."""
-    if numbers.seat_force <= 0.0:
+def hold_down_warning(numbers: LateralNumbers) -> str:
+    """Warning that the solid bearing lifts off its cover or tips, empty if it does not."""
+    if numbers.hold_down_force <= 0.0:
         return (
-            f"The solid bearing lifts off its cover: {-numbers.seat_force:.4g} N are missing "
+            f"The solid bearing lifts off its cover: {-numbers.hold_down_force:.4g} N are missing "
             "at one shaft angle at least."
         )
-    if numbers.seat_margin < 0.0:
+    if numbers.tipping_margin < 0.0:
         return (
             "The solid bearing tips on its cover: it is pressed "
-            f"{-numbers.seat_margin * 1e3:.3g} mm beyond its rim at one shaft angle at least."
+            f"{-numbers.tipping_margin * 1e3:.3g} mm beyond its rim at one shaft angle at least."
         )
     return ""
 

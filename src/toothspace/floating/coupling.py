@@ -160,6 +160,7 @@ class _LeakageSearch:
     def advance(self) -> tuple[CoupledPoint, bool]:
         """Make one more lumped run and find the equilibrium; return whether both agree, too."""
         factor = self._log_leakage_factor
+        # the network has no films: its paths leak more by a factor until both leak alike
         machine = with_lateral_leakage(self._dragged, float(np.exp(factor)))
         solution = self._run(machine)
         if solution.status is Status.INTERRUPTED:
@@ -167,8 +168,10 @@ class _LeakageSearch:
         settings, nose = self._asked.settings, self._asked.nose_pressure
         problem = lateral_problem(machine, self._fluid, solution.data, settings, nose)
         leakage = path_leakage(solution)
+        # where single runs jump from one side to the other the bearing is held in between
         solve = self._free if self._ends is None else self._held
         found = solve(problem, leakage)
+        # torque changes the chambers less than leakage does, so it may lag by one run
         viscosity = self._fluid.dynamic_viscosity
         self._dragged = with_film_torque(
             self._dragged, viscosity, solution.data, found.equilibrium.balance
@@ -202,6 +205,7 @@ class _LeakageSearch:
         found = settle_bearing(problem, begun)
         if leakage <= 0.0 or found.numbers.leakage <= 0.0:
             return found
+        # friction holds a bearing that did not move: its leakage then says nothing of its balance
         moved = problem.stack.opening @ (found.balance.position - begun.position)
         excess = float(np.log(found.numbers.leakage / leakage))
         sense = int(np.sign(moved)) if abs(moved) > _STILL else 0
@@ -209,6 +213,7 @@ class _LeakageSearch:
             self._log_leakage_factor, leakage, problem, found.balance.position, excess, sense
         )
         self._known.append(trial)
+        # leakage spans decades and answers as a power of the gap: steps on its logarithm
         self._ends = _ends(self._known)
         if self._ends is None:
             self._log_leakage_factor += next_change(
@@ -259,6 +264,7 @@ def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
     apart = abs(last.log_leakage_factor - other.log_leakage_factor)
     if last.sense * other.sense == 0 and apart > _NARROW:
         return None
+    # a slope that the secant method can follow needs no holding spring
     if abs(last.excess - other.excess) <= _STEEP * apart:
         return None
     return (last, other) if last.excess > 0.0 else (other, last)

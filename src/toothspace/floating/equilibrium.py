@@ -121,9 +121,12 @@ def find_equilibrium(
                 return _leaning(stack, snapshots, loads, now, time, number, search, step)
             continue
         now, time = found, time + length
+        # a step that took few iterations was short for what moved
         length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
+        # the first steps begin from rest, where no damping is left to tell a motion by
         if _viscous(stack, now) > search.residual_motion * scale or number <= 2:
             continue
+        # Newton's method stops at saddles too: a state counts that small motions return to
         rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number)
@@ -158,6 +161,7 @@ def _leaning(
     steps += found.steps
     length = search.longest_time - time
     still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)
+    # the longest step leaves next to no squeeze: what passes it is an equilibrium of the motion too
     last = advance(stack, snapshots, loads, stopped(still), length, step)
     if not last.converged:
         reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"

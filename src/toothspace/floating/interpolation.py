@@ -114,10 +114,11 @@ class InterpolatedEquilibrium:
         (a, fa), (b, fb) = (0.0, ends[0].excess), (1.0, ends[1].excess)
         share, held = (0.0, ends[0]) if abs(fa) < abs(fb) else (1.0, ends[1])
         stiffness = self._stiffness(*ends)
-        # the response of the chambers takes what is left to them
+        # friction, or the chambers that answer to a wider gap, take what is left
         goal = _LEFT_FORCE if self._friction > 0.0 or stiffness > 0.0 else _FORCE
         for _ in range(_MOST_SHARES if fa > 0.0 > fb else 0):
             share = (a * fb - b * fa) / (fb - fa)
+            # from the state before, whose films are nearly those of this share
             held = self.at(share, held.balance.position)
             if abs(held.excess) <= goal or not held.equilibrium.settled:
                 break
@@ -146,6 +147,7 @@ class InterpolatedEquilibrium:
 
         There is no equilibrium if a force is left on the holding spring.
         """
+        # loads change little between the ends: those of the nearer one
         loads = self._ends[round(share)].problem.loads
         place = float(held.problem.stack.opening @ held.balance.position)
         stack = replace(held.problem.stack, holding_spring=HoldingSpring(place, stiffness))

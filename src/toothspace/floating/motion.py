@@ -204,6 +204,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
     predicted: tuple[Array, Array] | None = None
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
+        # films are solved no closer than positions are known, now and then in full
         films = quick if number % _PATIENCE else stack
         states = films.solve_all(task.snapshots, q, v, states, deformation.used, task.previous)
         settled = all(s.converged for s in states)
@@ -219,6 +220,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         age += 1
         pull = deformation.pull()
         found, revised, firm = _decided(task, states, jacobian, pull, v, slides, steady)
+        # an old Jacobian that no longer helps is renewed before its step is taken
         if predicted is not None and age > 1 and found.error > _HELPED * error:
             jacobian, age = deformation.renew(states), 1
             found, revised, firm = _decided(task, states, jacobian, 0.0, v, slides, steady)

@@ -203,11 +203,11 @@ class LateralNumbers:
     """Largest asperity pressure times sliding speed. [W/m2]"""
     friction_force: float
     """Friction of the housing on the floating bearing. [N]"""
-    seat_force: float
+    hold_down_force: float
     """Force that holds the solid bearing on its cover, negative if it lifts off; with two floating
     bearings not a number. [N]
     """
-    seat_margin: float
+    tipping_margin: float
     """How far inside its rim the solid bearing is pressed on its cover, negative if it tips; with
     two floating bearings not a number. [m]
     """
@@ -352,8 +352,8 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
     speed, count = stack.shaft_speed, len(balance.states)
     films = [film for state in balance.states for film in state.films]
     lost = [film.losses for film in films]
-    seats = [float(s.solid_seat(back.low)[0]) for s in balance.states]
-    margins = [s.seat_margin(back.low) for s in balance.states]
+    held_down = [float(s.hold_down(back.low)[0]) for s in balance.states]
+    margins = [s.tipping_margin(back.low) for s in balance.states]
     span = max(back.high - back.low, 1.0)
     return LateralNumbers(
         position=stack.gauge(balance.position),
@@ -368,8 +368,8 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
         contact_share=float(np.mean([_contact_share(f) for f in films])),
         wear_power=max(float(wear_power(f, speed).max()) for f in films),
         friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
-        seat_force=float("nan") if stack.two_floating else min(seats),
-        seat_margin=float("nan") if stack.two_floating else min(margins),
+        hold_down_force=float("nan") if stack.two_floating else min(held_down),
+        tipping_margin=float("nan") if stack.two_floating else min(margins),
         positions=stack.positions(balance.position),
         tilt=max(stack.tilts(balance.position)),
     )

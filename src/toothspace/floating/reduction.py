@@ -30,9 +30,9 @@ from toothspace.floating.stack import Stack
 from toothspace.floating.stops import leaning, stop_forces
 from toothspace.floating.torque import pressure_torque
 from toothspace.model.description import MachineDescription
-from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.floating_bearing import AxialForce, FloatingBearing, LateralBalance
 from toothspace.model.lateral_load import axial_load
+from toothspace.model.lumped_films import lateral_torque_coefficient
 from toothspace.model.path_category import LATERAL_PATHS
 
 _CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)

@@ -438,7 +438,7 @@ class StackState:
             found.append(float((f.gap * area).sum() / area.sum()))
         return np.array(found)
 
-    def solid_seat(self, low: float) -> Array:
+    def hold_down(self, low: float) -> Array:
         """Force [N] and moments [N m] that press the solid bearing on its cover.
 
         The force is negative if the bearing lifts off; moments are about the x and y axes of the
@@ -452,9 +452,9 @@ class StackState:
                 load += np.array([force, about_x + y * force, about_y - x * force])
         return load
 
-    def seat_margin(self, low: float) -> float:
+    def tipping_margin(self, low: float) -> float:
         """How far inside its rim the solid bearing is pressed, negative if it tips. [m]."""
-        force, about_x, about_y = self.solid_seat(low)
+        force, about_x, about_y = self.hold_down(low)
         if force <= 0.0:
             return -np.inf
         balance = self.stack.balance

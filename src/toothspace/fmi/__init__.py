@@ -1,11 +1,11 @@
 """Functional mock-up units: a machine for simulators of systems.
 
-========= ==========================================================
-module    responsibility
-========= ==========================================================
-tables    steady runs over pressure difference and shaft speed
-archive   the files of a unit: description, sources, binary
-export    from a case to a unit
-machine.c the machine in C, as it stands in the sources of every unit
-========= ==========================================================
+================ ==========================================================
+module           responsibility
+================ ==========================================================
+operating_tables steady runs over pressure difference and shaft speed
+archive          the files of a unit: description, sources, binary
+export           from a case to a unit
+machine.c        the machine in C, as it stands in the sources of every unit
+================ ==========================================================
 """

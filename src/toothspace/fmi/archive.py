@@ -73,7 +73,7 @@ def fmu_variables(tables: xr.Dataset, *, free_shaft: bool) -> list[FmuVariable]:
     Parameters
     ----------
     tables : xarray.Dataset
-        From :func:`toothspace.fmi.tables.tables_of`, with ``low_pressure`` and ``mode``.
+        From :func:`toothspace.fmi.operating_tables.tables_of`, with ``low_pressure`` and ``mode``.
     free_shaft : bool
         Whether torques move the shaft; otherwise its speed is an input.
     """

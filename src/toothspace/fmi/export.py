@@ -20,7 +20,7 @@ from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.units import Quantity, as_text, from_si, parse_quantity
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
-from toothspace.fmi.tables import ShaftSamples, tables_of
+from toothspace.fmi.operating_tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
 from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
 from toothspace.studies.points import status_of

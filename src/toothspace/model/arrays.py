@@ -18,7 +18,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.model.lateral_table import LateralLookup
-from toothspace.model.tables import Members, TableBank
+from toothspace.model.packed_tables import Members, TableBank
 
 # Columns of ``node``: state of chambers and ports.
 (

@@ -19,12 +19,6 @@ from toothspace.model import arrays as col
 from toothspace.model.arrays import Constants, ContactSurface, Sizes, SystemArrays
 from toothspace.model.contact_data import contact_parts, loaded_contacts, rigid_mesh
 from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
-from toothspace.model.films import (
-    journal_data,
-    lateral_asperity_share,
-    lateral_drag,
-    lateral_torque_coefficient,
-)
 from toothspace.model.free_motions import free_blocks, free_motions, map_of_motions, motion_rows
 from toothspace.model.lateral_load import (
     SampledLoads,
@@ -35,11 +29,17 @@ from toothspace.model.lateral_load import (
 )
 from toothspace.model.lateral_table import LOAD_STATES
 from toothspace.model.ledger import FRICTION_MECHANISMS, THROTTLING
+from toothspace.model.lumped_films import (
+    journal_data,
+    lateral_asperity_share,
+    lateral_drag,
+    lateral_torque_coefficient,
+)
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.packed_tables import OPEN, make_members, pack_tables
 from toothspace.model.path_category import PathCategory
 from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import OPEN, make_members, pack_tables
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.ndf_types import FROM_STATE
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables

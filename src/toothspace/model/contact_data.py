@@ -22,7 +22,7 @@ from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMe
 from toothspace.model.description import MachineDescription, Motion
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.tables import OPEN
+from toothspace.model.packed_tables import OPEN
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 _FLATTEST = 100.0

@@ -8,7 +8,7 @@ from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.contact_data import held_by_contacts, rigid_mesh
 from toothspace.model.description import FreeBlocks, MachineDescription
-from toothspace.model.films import lateral_drag
+from toothspace.model.lumped_films import lateral_drag
 from toothspace.model.operating_point import OperatingCondition
 
 _CLEARANCE = 1e-3

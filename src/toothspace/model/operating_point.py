@@ -7,8 +7,8 @@ from typing import final
 
 import numpy as np
 
-from toothspace.circuit.loads import FreeShaft
 from toothspace.circuit.network import CircuitNetwork
+from toothspace.circuit.shaft_loads import FreeShaft
 from toothspace.core.types import Array
 
 

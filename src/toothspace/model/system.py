@@ -64,7 +64,7 @@ from toothspace.model.network import (
     update_network,
     update_partners,
 )
-from toothspace.model.tables import fill_slopes, fill_values, find_intervals
+from toothspace.model.packed_tables import fill_slopes, fill_values, find_intervals
 
 SAME_ANGLE = 1e-13
 SMALLEST_TORQUE = 1e-9

@@ -112,6 +112,7 @@ def _invert(block: Single, lead: Single, pivot: Single) -> None:
     """
     size = block.shape[0]
     whole = size - size % 4
+    # no exchange of rows: the matrix of a film has dominant columns
     for k in range(0, whole, 4):
         _invert_pivot(block, k, pivot)
         _replace_pivot(block, k, pivot, lead)
@@ -186,6 +187,8 @@ def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> Non
     _, rows, lanes = coupling.shape
     lead = np.zeros((5, lanes + 16), dtype=np.float32)
     pivot = np.empty((4, 4), dtype=np.float32)
+    # begun some rows before the cut: by the time it reaches the first row that counts, the error of
+    # having begun from nothing has decayed
     for n in range(rows + _OVERLAP):
         i = (cut - _OVERLAP + n) % rows
         low, size, width, place = span[i]
@@ -199,6 +202,7 @@ def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> Non
                 block[j, j + 1] = coupling[2, i, low + j]
         if n > 0:
             w = (i - 1) % rows
+            # the row before is eliminated: it answers to this one through its inverse
             low_w, size_w, width_w, place_w = span[w]
             former = store[place_w : place_w + size_w * width_w].reshape(size_w, width_w)
             first, last = max(low, low_w), min(low + size, low_w + size_w)
@@ -238,6 +242,7 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
     coupling, span, store = blocks.coupling, blocks.span, blocks.store
     _, rows, lanes = coupling.shape
     total = rows + 2 * _OVERLAP
+    # single precision spans 38 decades: sides are solved as parts of their largest value
     x, size = _over_centre(blocks.inverse, rhs)
     if size == 0.0:
         return x
@@ -285,11 +290,13 @@ def _refine(
         left, former = norm(sides[k]), np.inf
         goal = relative_tolerance * left
         rest = sides[k] - stencil_products(stencil, x[k : k + 1], rows, lanes)[0]
+        # a start of another operating point may be worse than none
         if norm(rest) < left:
             left = norm(rest)
         else:
             x[k], rest[:] = 0.0, sides[k]
         for _ in range(_ROUNDS):
+            # what rounding keeps from falling is left: another round would add noise
             if not (left > goal and left < STALLED * former):
                 break
             limit = max(_SHARE * goal, LEAST_CORRECTION * left)

@@ -217,6 +217,7 @@ def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empt
         supply += max(cy[i, j], 0.0) * s[p, q - 1] - min(cy[i, j + 1], 0.0) * s[p, q + 1]
         leaving = b.storage[i, j] + max(cx[i + 1, j], 0.0) - min(cx[i, j], 0.0)
         leaving += max(cy[i, j + 1], 0.0) - min(cy[i, j], 0.0)
+        # more comes in than a full cell passes on: it is full, and pressure drives off the rest
         if supply >= leaving or leaving <= 0.0:
             conducted = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
             u[p, q], s[p, q] = max(supply - leaving, 0.0) / conducted, 1.0
@@ -237,6 +238,7 @@ def exchange_kinds(kind: IntArray, unknowns: Array, scale: float, storage: Array
     for i in range(kind.shape[0]):
         for j in range(lanes):
             value = unknowns[i * lanes + j]
+            # films cannot pull: a negative pressure opens a cavity, a film over-full closes it
             if kind[i, j] == 0 and value < -ROUNDING * scale:
                 kind[i, j] = 1
                 changed += 1
@@ -319,6 +321,7 @@ def solve_complementarity(
        semismooth Newton method, SIAM J. Optim. 13 (2002) 865-888.
     """
     found = _active_set(balance, constraint, start, max_passes)
+    # passes go in circles only with negative storage: a film squeezed faster than it drains
     if found.converged or constraint is not Constraint.CONSERVING or balance.storage.min() >= 0.0:
         return found
     return _with_delay(balance, max_passes) or found
@@ -349,6 +352,7 @@ def _active_set(
     balance: CellBalance, constraint: Constraint, start: IntArray | None, max_passes: int
 ) -> ComplementaritySolution:
     kind = _initial_kind(balance, constraint, start)
+    # kinds change only where a bound is broken by more than rounding, which needs a size
     scale = potential_scale(balance)
     sense = -1 if balance.advection_x.sum() < 0.0 else 1
     systems = PassSystems(balance)
@@ -358,19 +362,24 @@ def _active_set(
         stencil, rhs = assemble(balance, kind)
         system = systems.system(stencil, kind)
         used = kind.copy()
+        # early passes only have to tell the sign of a potential, the last one all its digits
         exact = number > _LOOSE_PASSES
         unknown = system.solve(rhs, unknown, TIGHT if exact else LOOSE)
         changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0 and not exact:
+            # a rough solution that changes nothing is solved out before it is believed
             unknown = system.solve(rhs, unknown, TIGHT)
             changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0:
             break
         if constraint is Constraint.CONSERVING:
+            # Newton moves the border of a cavity by one cell a pass; a sweep along the flow follows
+            # the liquid as far as it goes
             _settle(balance, kind, unknown, sense * _sweeps(number, changed), UNSATURATED)
         else:
             _settle(balance, kind, unknown, 1, PRESCRIBED)
             _settle(balance, kind, unknown, -1, PRESCRIBED)
+        # a potential says nothing about the saturation of a cell that changed its kind
         unknown = np.where((used == kind).ravel(), unknown, 0.0)
     error = norm(rhs - stencil_product(stencil, unknown, *grid_shape(balance)))
     converged = changed == 0 and error <= _ACCEPTED * norm(rhs)
@@ -434,6 +443,7 @@ def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
         return
     if number > _RING_CLOSURES:
         lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
+    # there the ring passes on least, so there it fills first
     narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
     kind[narrowest, lanes] = SATURATED
 

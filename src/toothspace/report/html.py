@@ -17,7 +17,7 @@ from toothspace.core.finding import status_line
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
-from toothspace.plotting.startup import speed_and_pressure
+from toothspace.plotting.over_time import speed_and_pressure
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.charts import turning_section
 from toothspace.report.document import write_document

@@ -322,6 +322,9 @@ LATERAL = {
     "contact_share": ("lateral_contact_share", 1.0),
     "wear_power_W_per_mm2": ("lateral_wear_power", 1e-6),
     "housing_friction_N": ("lateral_housing_friction", 1.0),
+    "hold_down_force_N": ("solid_bearing_seat_force", 1.0),
+    "tipping_margin_mm": ("solid_bearing_seat_margin", 1e3),
+    # former names of these two
     "seat_force_N": ("solid_bearing_seat_force", 1.0),
     "seat_margin_mm": ("solid_bearing_seat_margin", 1e3),
     "force_balance_error": ("lateral_equilibrium_residual", 1.0),

@@ -7,8 +7,8 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.conditions import FluidChoice, OperatingPoint
 from toothspace.circuit.circuit import build_circuit
-from toothspace.circuit.loads import shaft_of, speed_of
 from toothspace.circuit.restrictions import ReliefValve
+from toothspace.circuit.shaft_loads import shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription

@@ -22,8 +22,8 @@ from toothspace.case.conditions import HeatSettings
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.model.films import lateral_face_torque
 from toothspace.model.fluid import LiquidState
+from toothspace.model.lumped_films import lateral_face_torque
 from toothspace.model.path_category import DRAIN, LATERAL
 
 OIL, WALLS, DRAIN_OIL, OUTLET = "chambers", "casing", "drain", "outlet"

@@ -9,7 +9,6 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.core.constants import ZERO_CELSIUS
-from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.thermal import FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
@@ -34,6 +33,11 @@ _AGREED = 0.1
 _ROUNDS = 12
 _REMEMBERED = 1
 """Former rounds from which the next temperatures are extrapolated."""
+_TOO_WARM = (
+    "Films that thin with their heat would reach {:.0f} degC, beyond the {:.0f} degC to which the "
+    "fluid is known: the numbers are those of films at the temperature of the fluid. Open the "
+    "clearances, lower the speed, or cool the bearings."
+)
 _NOT_AGREED = (
     "Temperatures still change by {:.2g} K from round to round: the viscosities in the films are "
     "not those of the temperatures shown."
@@ -61,7 +65,7 @@ def with_heat(
     """
     if case.heat.model != "coupled" or solution.status is not Status.DONE:
         return with_temperatures(case, description, solution)
-    found = _temperatures(case, description, solution)
+    cold, found = solution, _temperatures(case, description, solution)
     supply, mixing = np.full(len(found[1]), fluid_temperature(case)), Mixing(_REMEMBERED)
     highest = temperature_range(fluid_keys(case).source)[1]
     tried = supply
@@ -71,8 +75,8 @@ def with_heat(
         if change < _AGREED or done == _ROUNDS:
             break
         if tried.max() >= highest and reached.max() > highest:
-            asked = f"films of {reached.max() - ZERO_CELSIUS:.0f} degC"
-            raise CaseError("heat.model", asked, "temperatures that the fluid is known at")
+            told = _TOO_WARM.format(reached.max() - ZERO_CELSIUS, highest - ZERO_CELSIUS)
+            return with_temperatures(case, description, cold).with_note(told)
         following = mixing.following(tried, reached - tried)
         if done == 0:
             following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)

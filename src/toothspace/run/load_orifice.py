@@ -36,7 +36,7 @@ from toothspace.model.assembly import System, node_places
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
-from toothspace.solver.accuracy import march_to_balance
+from toothspace.solver.accuracy import balanced
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.initial import start_state
@@ -48,6 +48,10 @@ _ROUNDS = 10
 _EVERY = 32
 """Every so many of the dense states count to the mean pressure."""
 _SEARCHES = 3
+_MOST_MARCHES = 2
+"""Revolutions of all rounds over the most that are marched to a cyclic state, before the last."""
+_HARDLY = 0.05
+"""Change of the pressure, over what it misses, that shows an orifice without effect."""
 _LARGEST_CHANGE = 5.0
 """Largest factor on the area in one round. [-]"""
 _OF_THE_WAY = 0.8
@@ -163,12 +167,18 @@ def _sized(
     load_pressure = system.condition.load_pressure
     tried: list[tuple[float, float]] = []
     before: OutletBalance | None = None
+    marched = 0
     for done in range(_ROUNDS):
-        history = march_to_balance(system, plan, progress, state)
-        balance = outlet_balance(history).after(before)
+        history = march_revolutions(system, plan, progress, state)
+        balance, marched = outlet_balance(history).after(before), marched + history.revolutions
+        if history.status not in CUT_SHORT and balance.meets(wanted):
+            history = balanced(history, plan, progress)
+            balance = outlet_balance(history).after(before)
         if history.status in CUT_SHORT or balance.meets(wanted):
             return history, ""
         found = format_si(balance.pressure + load_pressure, "bar")
+        if marched > _MOST_MARCHES * plan.max_revolutions or _stuck(tried, balance, before, wanted):
+            break
         if done < _ROUNDS - 1:
             area = system.condition.load_area
             tried.append((math.log(area), math.log(balance.change_of_area(wanted))))
@@ -189,6 +199,19 @@ def _following(tried: list[tuple[float, float]]) -> float:
         if abs(change) > _OF_THE_WAY * abs(nearest):
             change = 0.5 * nearest
     return place + change
+
+
+def _stuck(
+    tried: list[tuple[float, float]],
+    balance: OutletBalance,
+    before: OutletBalance | None,
+    wanted: float,
+) -> bool:
+    """Whether the last change of the area, by more than two, hardly changed the pressure."""
+    if before is None or abs(tried[-1][1]) < math.log(2.0):
+        return False
+    moved = abs(balance.pressure - before.pressure)
+    return moved < _HARDLY * abs(balance.pressure - wanted)
 
 
 def _missed(status: Status) -> Status:

@@ -24,7 +24,7 @@ from toothspace.model.description import (
     LumpedLateralFilm,
     MachineDescription,
 )
-from toothspace.model.films import lateral_face_torque
+from toothspace.model.lumped_films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table

@@ -44,8 +44,22 @@ def march_to_balance(
     History
         The last revolution; its statistics count all steps and hold ``relative_tolerance``.
     """
+    return balanced(march_revolutions(system, plan, progress, state), plan, progress)
+
+
+def balanced(history: History, plan: RunPlan, progress: Progress | None = None) -> History:
+    """Go on from a march at lower tolerances until it repeats and its energies balance.
+
+    Parameters
+    ----------
+    history : History
+        March with the tolerance to begin with.
+    plan, progress
+        As for :func:`march_to_balance`; the revolutions of the march count.
+    """
+    system = history.system
     tolerance = system.condition.relative_tolerance
-    history = _counted(march_revolutions(system, plan, progress, state), tolerance)
+    history = _counted(history, tolerance)
     while plan.revolutions is None:
         if history.status not in (Status.DONE, Status.NOT_REPEATING):
             break

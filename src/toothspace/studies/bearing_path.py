@@ -325,6 +325,13 @@ class NosePressureStudy(KeyTable):
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
 
+    coupling_rounds: int = integer(
+        "Most runs of the chambers per point until they agree with the films; 1: as described.",
+        low=1,
+        high=20,
+        default=1,
+    )
+
     def __post_init__(self) -> None:
         _ = self.path  # which refuses a name that is given twice
 
@@ -463,7 +470,7 @@ def solve_path(case: Case, context: StudyContext | None = None) -> LateralStudy:
         behind = [*([] if condition.anew else behind), replace(condition, label="")]
         keys.append(point_key(case, study.start_gap, friction, rounds, *behind))
     found = follow(points, conditions, study.start_gap, context or StudyContext(), keys)
-    return LateralStudy(conditions, found)
+    return LateralStudy(conditions, found, study.start_gap)
 
 
 def _map(case: Case, study: BearingPathStudy, context: StudyContext) -> StudyResult:
@@ -707,7 +714,7 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
         return balance_sweep.figures(data)
     if "shaft_speed" in data.dims:
         return _map_figures(data)
-    over_nose = all("," in str(label) for label in data["point_label"].values)
+    over_nose = float(np.ptp(data["nose_pressure_bar"].values)) > 0.0
     return _nose_figures(data) if over_nose else _loop_figures(data)
 
 
@@ -715,7 +722,8 @@ def _loop_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return loops of position, film, leakage and torque, and maps of the films."""
     positions = (
         "Position of the bearing, mean film, leakage and torque loss beside the gears over "
-        "the outlet pressure: full line up, broken line down."
+        "the outlet pressure: full line up, broken line down. Crosses: friction left the bearing "
+        "where it was."
     )
     contact = (
         "Smallest film, load that asperities carry, largest wear indicator and friction in the "
@@ -756,7 +764,10 @@ def film_figures(data: xr.Dataset) -> list[StudyFigure]:
 
 def _nose_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return positions over the nose pressure, one line per condition."""
-    caption = "Position of the bearing over the nose pressure, one line per condition."
+    caption = (
+        "Position of the bearing over the nose pressure, one line per condition. Crosses: friction "
+        "left the bearing where it started."
+    )
     return [StudyFigure("nose_pressure", caption, nose_lines(data)), *film_figures(data)]
 
 
@@ -771,6 +782,8 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
         axes.plot(pressure[: top + 1], up, "-o", color=BLUE, ms=4, label="up")
         axes.plot(pressure[top:], down, "--o", color=ORANGE, ms=4, mfc="white", label="down")
         axes.set(ylabel=label, xlabel="Outlet pressure (bar)")
+    if panels is POSITION_PANELS:
+        _mark_held(figure.axes[0], data, pressure)
     if panels is POSITION_PANELS and "measured_relative_position_um" in data:
         # measured positions are relative: they begin where the computed ones do
         first = float(data["bearing_position_um"][0])
@@ -779,6 +792,14 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
         figure.axes[0].plot(pressure, position, ":x", color=INK, ms=5, lw=0.8, label="measured")
     figure.axes[0].legend()
     return figure
+
+
+def _mark_held(axes: Axes, data: xr.Dataset, places: Array) -> None:
+    """Cross the points at which friction leaves the bearing where it starts."""
+    held = np.asarray(data["held_by_friction"].values, dtype=bool)
+    if held.any():
+        position = data["bearing_position_um"].values[held]
+        axes.plot(places[held], position, "x", color=INK, ms=7, label="held by friction")
 
 
 @styled
@@ -819,6 +840,7 @@ def nose_lines(data: xr.Dataset) -> Figure:
         own = [k for k, other in enumerate(names) if other == name]
         position = data["bearing_position_um"].values[own]
         axes.plot(ratio[own], position, mark, color=color, ms=5, mfc="none", label=name)
+    _mark_held(axes, data, ratio)
     axes.set(xlabel="Nose pressure over outlet pressure", ylabel="Bearing position (µm)")
     axes.legend()
     axes.grid(color=GREY, alpha=0.25)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import math
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -161,6 +162,8 @@ def point_key(case: Case, *what: object) -> str:
 
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
+_AT_REST = 1e-9
+"""Way below which a bearing has not moved. [m]"""
 _LUMPED_TOLERANCE = 1e-5
 _LUMPED_REVOLUTIONS = 24
 
@@ -199,6 +202,21 @@ class LateralStudy:
     """What is asked for."""
     points: tuple[StoredPoint, ...]
     """What was found; after an interrupt the points at the end are missing."""
+    start_gap: float = math.nan
+    """Gap that the first point starts from, and every one that begins anew. [m]"""
+
+    @property
+    def held_by_friction(self) -> tuple[bool, ...]:
+        """Whether friction leaves the bearing where each point starts."""
+        places = [point.numbers.position for point in self.points]
+        solid = any(name.startswith("solid") for name in self.points[0].films)
+        # gears float with the bearing: its way is both films where one side is solid
+        first = self.start_gap * (2.0 if solid else 1.0)
+        starts = [
+            first if k == 0 or self.conditions[k].anew else places[k - 1]
+            for k in range(len(places))
+        ]
+        return tuple(abs(x - start) < _AT_REST for x, start in zip(places, starts, strict=True))
 
     @property
     def status(self) -> Status:
@@ -237,6 +255,9 @@ class LateralStudy:
             **column("contact_force_N", "real_contact_area_mm2", "contact_share"),
             **column("wear_power_W_per_mm2", "friction_force_N"),
             "breakaway_force_N": [p.breakaway_force for p in self.points],
+            "held_by_friction": list(self.held_by_friction),
+            **column("hold_down_force_N", "tipping_margin_mm"),
+            # former names of these two
             **column("seat_force_N", "seat_margin_mm"),
             "preload_N": [p.preload for p in self.points],
             "force_balance_error": [p.residual for p in self.points],
@@ -291,8 +312,10 @@ def film_numbers(numbers: LateralNumbers) -> dict[str, float]:
         "leakage_L_per_min": numbers.leakage * 6e4,
         "torque_loss_N_m": numbers.viscous_torque + numbers.asperity_torque,
         "friction_force_N": numbers.friction_force,
-        "seat_force_N": numbers.seat_force,
-        "seat_margin_mm": numbers.seat_margin * 1e3,
+        "hold_down_force_N": numbers.hold_down_force,
+        "tipping_margin_mm": numbers.tipping_margin * 1e3,
+        "seat_force_N": numbers.hold_down_force,
+        "seat_margin_mm": numbers.tipping_margin * 1e3,
     }
 
 

@@ -61,6 +61,8 @@ class Workers:
         call = partial(_checked, digest_of_sources(), function)
         with safe_start():
             executor = self._started()
+            if self._client is not None and self._client.status == "closed":
+                raise self._lost()
             waiting = {executor.submit(call, item): k for k, item in enumerate(arguments)}
         try:
             for future in as_completed(waiting):
@@ -86,15 +88,18 @@ class Workers:
         except ToothspaceError:
             raise
         except CancelledError as error:
-            raise ToothspaceError(
-                f"study: the scheduler {self.scheduler} does not answer any more; {_KEPT}"
-            ) from error
+            raise self._lost() from error
         except Exception as error:
             reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
             raise ToothspaceError(
                 f"study: the cluster failed ({reason}); its scheduler and its workers need this "
                 f"version of toothspace; {_KEPT}"
             ) from error
+
+    def _lost(self) -> ToothspaceError:
+        return ToothspaceError(
+            f"study: the scheduler {self.scheduler} does not answer any more; {_KEPT}"
+        )
 
     def _started(self) -> Executor:
         if self._executor is None and self.scheduler:

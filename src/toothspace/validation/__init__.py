@@ -5,10 +5,11 @@ module                responsibility
 ===================== =====================================================
 claim                 values, curves, tolerances and verdicts
 resources             reference data and cases of an installation
-films                 journal bearings and pads of the literature
+published_films       journal bearings and pads of the literature
 lateral               floating bearing of the fuel pump
-startup               start-up of the gear motor
+motor_startup         start-up of the gear motor
 gerotor               torque and contacts of the gerotor
+service_manuals       pumps of makers' service manuals, held one-sided
 reference_machines    reference machines within catalogue and published ranges
 book                  all claims, and running them
 ===================== =====================================================

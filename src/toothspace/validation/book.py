@@ -9,13 +9,21 @@ from functools import partial
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import Progress, tell
 from toothspace.studies.workers import Workers
-from toothspace.validation import films, gerotor, lateral, reference_machines, startup
+from toothspace.validation import (
+    gerotor,
+    lateral,
+    motor_startup,
+    published_films,
+    reference_machines,
+    service_manuals,
+)
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
 CLAIMS: tuple[Claim, ...] = (
-    *films.CLAIMS,
+    *published_films.CLAIMS,
     *reference_machines.CLAIMS,
-    *startup.CLAIMS,
+    *service_manuals.CLAIMS,
+    *motor_startup.CLAIMS,
     *lateral.CLAIMS,
     *gerotor.CLAIMS,
 )

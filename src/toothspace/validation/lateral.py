@@ -8,8 +8,10 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.floating.problem import lateral_problem
+from toothspace.model.floating_bearing import HousingContact
 from toothspace.studies.bearing_path import solve_path
-from toothspace.studies.bearing_points import LateralStudy
+from toothspace.studies.bearing_points import LateralStudy, PointCondition, prepare
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
@@ -27,35 +29,32 @@ SOURCE = ValidationSource(
     "Position hysteresis of the floating bearing of a fuel pump",
     "D. Thiagarajan, A. Vacca, S. Watkins, Mech. Syst. Signal Process. 129 (2019) 659-676.",
     "The publication is normalised. Reference pressure 194 bar and speed 8500 rpm, gears, springs, "
-    "areas and grooves are reconstructed; the seal line is free and stands at 6.45 mm, in a window "
-    "of 0.12 mm in which both loops show what the source says.",
+    "areas and grooves are reconstructed. The outlet reaches 180 degrees round the gears, as Eq. "
+    "16 and Fig. 9 have low pressure on one region of the bearing; the seal line is free and "
+    "chosen so that films of the first loop stay below 4 um.",
 )
 
 LARGEST_FILM = 4.0
 """Mean film of a bearing that runs on its film; films of the source are of the order of 3. [um]"""
 
 MOVED = 0.05
-"""Change of position that counts as one. [um]"""
+"""Change that counts as one: what the eddy-current sensor of section 3 resolves. [um]"""
 
+_ANGLES, _SHIPPED = (55.0, 180.0, 205.0, 230.0), (180.0,)
+"""How far the outlet reaches round the gears: tried, and in the cases. [deg]"""
+_RIGID = (
+    "run.film_grid=[84, 10]",
+    "run.film_angles_per_pitch=3",
+    "run.deformation=winkler",
+)
 _COARSE = ("run.film_grid=[84, 10]", "run.film_angles_per_pitch=4")
 _SHORT = ("run.film_grid=[105, 15]", "run.film_angles_per_pitch=4")
 """Least grid on which films at the top of a loop are those of the default one."""
 
 
-SEAL_LINES = (5.8, 6.1, 6.2, 6.4)
-"""Places of the seal line whose loops are compared on a coarse grid. [mm]"""
-
-
 @cache
 def _loop(name: str, effort: Effort) -> LateralStudy:
     return solve_path(shipped(name, *(() if effort == "full" else _SHORT)))
-
-
-@cache
-def _moved(name: str, seal_line: float) -> LateralStudy:
-    area = f'{{seal_line_x="{seal_line} mm"}}'
-    moved = f"machine.floating_bearing.high_pressure_area={area}"
-    return solve_path(shipped(name, *_COARSE, moved))
 
 
 def _films(study: LateralStudy) -> Array:
@@ -91,20 +90,30 @@ def _between_legs(positions: Array, words: str) -> ComparedValue:
     return within("largest gap between the legs, position", gap, "um", words, MOVED)
 
 
-def _first_set(effort: Effort) -> Evidence:
-    study = _loop("hysteresis_055", effort)
+def _held(study: LateralStudy) -> list[ComparedValue]:
+    """Points at which friction leaves the bearing where it was, which tell of friction alone."""
+    return [
+        within(f"point {k + 1}: held by friction", held, "1 = true", "")
+        for k, held in enumerate(study.held_by_friction)
+    ]
+
+
+def _ways(study: LateralStudy) -> tuple[Array, Array]:
+    """Mean films on the way up, and on the way down at the same pressures. [um]."""
     films = _films(study)
     top = films.size // 2
-    up, down = films[: top + 1], films[top:][::-1]
+    return films[: top + 1], films[top:][::-1]
+
+
+def _first_set(effort: Effort) -> Evidence:
+    study = _loop("hysteresis_055", effort)
+    up, _ = _ways(study)
     values = _loop_values(study)
-    thicker = "film thickness increases with increasing pressure"
-    higher = "gap heights of the second leg are higher at the same pressure"
-    for k in range(top):
+    thicker = "the film thickness increases with increasing pressure"
+    for k, growth in enumerate(np.diff(up)):
         step = f"film growth from step {k + 1} to {k + 2}"
-        values.append(within(step, up[k + 1] - up[k], "um", thicker, 1e-3))
-        step = f"second leg above first at step {k + 1}"
-        values.append(within(step, down[k] - up[k], "um", higher, 1e-3))
-    values.append(_between_legs(_positions(study), "Fig. 22: a loop"))
+        values.append(within(step, growth, "um", thicker, MOVED))
+    values += [_between_legs(_positions(study), "Fig. 22: a loop"), *_held(study)]
     shown = "Figs. 15 to 21: films of both interfaces"
     sides = np.array([str(name).partition("_")[0] for name in study.points[0].films])
     gaps = np.array([point.numbers.gaps for point in study.points]) * 1e6
@@ -117,42 +126,15 @@ def _first_set(effort: Effort) -> Evidence:
     return Evidence(tuple(values), _curves(study), study.dataset())
 
 
-def _statements(study: LateralStudy) -> bool:
-    """Whether a loop shows what sections 4.2 and 4.3 say, on films of at most 4 um."""
-    films = _films(study)
-    top = films.size // 2
-    up, down = films[: top + 1], films[top:][::-1]
-    return bool(
-        study.status is Status.DONE
-        and films.max() <= LARGEST_FILM
-        and np.all(np.diff(up) > 0.0)
-        and np.all(down[:top] > up[:top])
-    )
-
-
-def _window(effort: Effort) -> Evidence:
-    lines = SEAL_LINES if effort == "full" else SEAL_LINES[2:3]
-    found = {
-        name: [_moved(name, line) for line in lines]
-        for name in ("hysteresis_055", "hysteresis_078")
-    }
-    held = np.array([[_statements(study) for study in loops] for loops in found.values()])
-    largest = {n: np.array([_films(study).max() for study in s]) for n, s in found.items()}
-    words = {True: f"at most {LARGEST_FILM:g} um", False: "statements do not all hold"}
+def _second_leg(effort: Effort) -> Evidence:
+    study = _loop("hysteresis_055", effort)
+    up, down = _ways(study)
+    higher = "the gap heights in the second leg are higher for a given outlet pressure"
     values = [
-        within(f"{name}, seal line at {line:g} mm: largest mean film", film, "um", words[shows])
-        for (name, films), row in zip(largest.items(), held.tolist(), strict=True)
-        for line, film, shows in zip(lines, films, row, strict=True)
+        within(f"second leg above first at step {k + 1}", down[k] - up[k], "um", higher, MOVED)
+        for k in range(up.size - 1)
     ]
-    text = "seal lines at which all statements hold in both sets"
-    both = np.count_nonzero(held.all(axis=0))
-    values.append(within(text, both, "-", "one pump shows both loops", 1.0))
-    axes = "seal line (mm)", "mean film (um)"
-    curves = tuple(
-        ComparedCurve(f"Largest mean film, {name}", *axes, np.array(lines), films)
-        for name, films in largest.items()
-    )
-    return Evidence(tuple(values), curves)
+    return Evidence((*values, *_held(study)), _curves(study))
 
 
 def _second_set(effort: Effort) -> Evidence:
@@ -162,72 +144,146 @@ def _second_set(effort: Effort) -> Evidence:
     values = _loop_values(study)
     for k in range(positions.size // 2):
         step = f"rise of position from step {k + 1} to {k + 2}"
-        values.append(within(step, positions[k + 1] - positions[k], "um", trend, 1e-3))
-    values.append(_between_legs(positions, "Fig. 23: a loop"))
+        values.append(within(step, positions[k + 1] - positions[k], "um", trend, MOVED))
+    values += [_between_legs(positions, "Fig. 23: a loop"), *_held(study)]
     return Evidence(tuple(values), _curves(study), study.dataset())
 
 
+def _nose_study(effort: Effort) -> LateralStudy:
+    coarse = () if effort == "full" else (*_COARSE, "study.nose_pressure_fractions=[0.0, 0.25]")
+    return solve_path(shipped("nose_pressure", *coarse))
+
+
 def _nose_pressure(effort: Effort) -> Evidence:
-    study = solve_path(shipped("nose_pressure", *(() if effort == "full" else _COARSE)))
+    study = _nose_study(effort)
     positions = _positions(study).reshape(3, -1)
     ranges = np.ptp(positions, axis=1)
-    speed = float(abs(positions[0, 0] - positions[1, 0]))
     share = np.linspace(0.0, 25.0, positions.shape[1])
     axes = "nose pressure (% of outlet)", "position (um)"
     curves = tuple(
         ComparedCurve(f"position at {name}", *axes, share, row)
         for name, row in zip(("OC1", "OC2", "OC3"), positions, strict=True)
     )
-    text, words = "change over the nose pressure at", "nose pressure relevant at OC1 and OC2"
-    none, most = "no influence at the highest outlet pressure", max(*ranges[:2], MOVED)
+    text, words = "change over the nose pressure at", "the effect of the nose pressure is relevant"
+    none = "the nose pressure value does not influence the resulting position"
     values = (
-        holds("all points found", study.status is Status.DONE, "fifteen points"),
+        holds("all points found", study.status is Status.DONE, "three conditions"),
         within(f"{text} OC1", ranges[0], "um", words, MOVED),
         within(f"{text} OC2", ranges[1], "um", words, MOVED),
         within(f"{text} OC3", ranges[2], "um", none, 0.0, MOVED),
-        within("change by speed, OC1 to OC2", speed, "um", "speed is secondary", 0.0, float(most)),
+        *_held(study),
     )
     return Evidence(values, curves)
+
+
+def _speed(effort: Effort) -> Evidence:
+    """Force that speed adds on a bearing at one place, beside what friction and the nose can do."""
+    angles = _ANGLES if effort == "full" else _SHIPPED
+    found = {angle: opening_forces(angle) for angle in angles}
+    values = []
+    for angle, (slow, fast, breakaway, nose) in found.items():
+        change, words = abs(fast - slow), "the rotational speed also plays a (secondary) influence"
+        name = f"outlet up to {angle:g} deg: "
+        limit = breakaway if angle in _SHIPPED else np.inf
+        least = 0.0 if angle in _SHIPPED else -np.inf
+        values += [
+            within(name + "opening force by speed", change, "N", words, least, limit),
+            within(name + "breakaway", breakaway, "N", ""),
+            within(name + "force of the nose at a quarter of the outlet", nose, "N", ""),
+        ]
+    return Evidence(tuple(values))
+
+
+@cache
+def opening_forces(outlet_angle: float) -> tuple[float, float, float, float]:
+    """Opening force at 2 um from OC2 and from OC1, breakaway force and force of the nose. [N].
+
+    Parameters
+    ----------
+    outlet_angle : float
+        How far the outlet reaches round the gears. [deg]
+    """
+    angle = f"machine.casing.outlet_angle={outlet_angle} deg"
+    case = shipped("nose_pressure", *_RIGID, angle)
+    points = prepare(case, HousingContact(friction_coefficient=0.02))
+    inlet, outlet = 3.9e5, 29.1e5
+    forces, breakaway = [], 0.0
+    for speed in (2550.0, 4675.0):
+        condition = PointCondition(
+            label="",
+            outlet_pressure=outlet,
+            inlet_pressure=inlet,
+            shaft_speed=speed * np.pi / 30.0,
+        )
+        run = points.run
+        data = points.lumped(condition)(run.machine).data
+        problem = lateral_problem(run.machine, run.fluid, data, points.settings)
+        states = problem.started(2e-6).states
+        forces.append(float(np.mean([state.film_force()[0] for state in states])))
+        breakaway = problem.loads.friction.breakaway_force
+    nose = points.balance.floating.nose.area * (0.25 * outlet - inlet)
+    return forces[0], forces[1], breakaway, nose
 
 
 CLAIMS = (
     Claim(
         "fuel_pump_loop_055",
         SOURCE,
-        "Section 4.2: film thickness increases with pressure, is "
-        "higher on the second leg at the same pressure, and the position shows a loop.",
-        "Sign alone; films at most 4 um, as those of the source are of the order of 3.",
+        "Section 4.2: 'the film thickness increases with increasing pressure', and Fig. 22 shows a "
+        "loop of the position.",
+        "A change counts from the 0.05 um of the sensor on; grids agree so but at the top. "
+        "Films at most 4 um, as those of the source are normalised by one of the order of 3.",
         _first_set,
         10.0,
     ),
     Claim(
-        "fuel_pump_loop_078",
+        "fuel_pump_second_leg",
         SOURCE,
-        "Section 4.3: the trend of the bearing movement.",
-        "Sign alone; films at most 4 um.",
-        _second_set,
-        8.0,
+        "Section 4.2: 'the gap heights in the second leg of these simulations are higher for a "
+        "given outlet pressure since the starting gaps are higher'.",
+        "A change counts from the 0.05 um of the sensor on.",
+        _second_leg,
+        0.1,
+        reason=(
+            "At 38.8 and 19.4 bar both ways end within 0.01 um: faces stand on their asperities "
+            "there, so stiff that friction shifts them by no more. With the seal line at 0.4 mm "
+            "the second leg is higher by 0.52 um at 38.8 bar, with a film of 4.6 um at the top."
+        ),
     ),
     Claim(
-        "fuel_pump_window",
+        "fuel_pump_loop_078",
         SOURCE,
-        "Sections 4.2 and 4.3 with one balanced area: seal lines at which films thicken with "
-        "pressure and are thicker on the second leg in both sets.",
-        "Sign alone; films at most 4 um. Coarse grid: 84 x 10 cells, four angles.",
-        _window,
-        15.0,
+        "Section 4.3: 'the model captures the trend of the bearing movement' (Fig. 23).",
+        "A change counts from the 0.05 um of the sensor on; films at most 4 um.",
+        _second_set,
+        8.0,
+        reason=(
+            "On the coarse grid the bearing rises as published and leaves a loop of 0.66 um, but "
+            "its mean film reaches 5.8 um, and films and chambers do not agree at every point."
+        ),
     ),
     Claim(
         "fuel_pump_nose",
         SOURCE,
-        "Section 4.4: nose pressure matters at OC1 and OC2, not at OC3; speed is secondary.",
-        "A move counts from 0.05 um on.",
+        "Section 4.4: at OC3 'the nose pressure value does not influence the resulting position', "
+        "at OC1 and OC2 'the effect of the nose pressure becomes relevant'.",
+        "The table of conditions is lost, and these are assumed. A move counts from the 0.05 um of "
+        "the sensor on.",
         _nose_pressure,
         15.0,
         reason=(
-            "The nose matters at OC1 and OC2 and not at OC3, but speed moves the bearing by more "
-            "than the nose does, by 1.8 um from OC1 to OC2."
+            "At OC2 friction holds the bearing at the gap of 2 um that every point starts from, "
+            "with 68 of 294 N: the nose can change that by 135 N at most."
         ),
+    ),
+    Claim(
+        "fuel_pump_speed",
+        SOURCE,
+        "Section 4.4: 'the rotational speed also plays a (secondary) influence'.",
+        "The conditions are lost, so it is judged in forces: from OC2 to OC1 speed may change the "
+        "opening force by less than friction holds. The grid of 84 x 10 cells is good for 5 %.",
+        _speed,
+        0.5,
     ),
     Claim(
         "fuel_pump_loop_numbers",

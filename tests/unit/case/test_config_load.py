@@ -12,9 +12,9 @@ from toothspace.case import Case, load_case
 from toothspace.case.document import document_text, parse_document
 from toothspace.case.presets import PRESETS
 from toothspace.circuit.lines import Hose
-from toothspace.circuit.loads import Fan
 from toothspace.circuit.pumps import PumpMap
 from toothspace.circuit.restrictions import ReliefValve
+from toothspace.circuit.shaft_loads import Fan
 from toothspace.circuit.stores import Tank
 from toothspace.core.errors import CaseError
 from toothspace.studies.bearing_path import HysteresisStudy, NosePressureStudy

@@ -38,7 +38,7 @@ def _bearing(*changes: str) -> FloatingBearing:
 
 
 def test_outlines_give_the_areas_of_seal_line_and_square(tmp_path: Path) -> None:
-    plain = _bearing()
+    plain = _bearing('high_pressure_area={seal_line_x="6.45 mm"}')
     high = _drawn(tmp_path, "high.csv", BEHIND_THE_SEAL)
     nose = _drawn(tmp_path, "nose.csv", SQUARE)
     drawn = _bearing(f"high_pressure_area={high}", f"nose={nose}")

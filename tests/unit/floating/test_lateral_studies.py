@@ -92,6 +92,17 @@ def test_loop_area_is_positive_where_the_bearing_stays_away(study: LateralStudy)
     assert abs(free) < 0.02 * by_hand
 
 
+def test_points_that_friction_holds_are_marked() -> None:
+    """They end where they start: at the point before, or at the gap given to all."""
+    held, moved = _study(UP_AND_DOWN, 1e6), _study(UP_AND_DOWN, 1e-3)
+    assert held.held_by_friction[1:] == (True,) * 4
+    assert held.summary()["held_by_friction"][1:] == [True] * 4
+    assert not any(moved.held_by_friction)
+    gap = 0.5 * held.points[0].numbers.position
+    anew = tuple(replace(condition, anew=True) for condition in held.conditions)
+    assert all(replace(held, start_gap=gap, conditions=anew).held_by_friction)
+
+
 def test_result_lists_every_point_with_units(study: LateralStudy) -> None:
     result = study.result({"loop_area_um_bar": 1.0})
     assert result.status is Status.DONE

@@ -15,8 +15,8 @@ from toothspace.floating.equilibrium import snapshots_over_pitch
 from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
 from toothspace.floating.torque import lumped_torque, with_film_torque
 from toothspace.model.description import Body, LumpedLateralFilm
-from toothspace.model.films import lateral_asperity_share, lateral_torque_coefficient
 from toothspace.model.floating_bearing import AxialForce
+from toothspace.model.lumped_films import lateral_asperity_share, lateral_torque_coefficient
 
 WALL = 2e-3
 """Torque of drag against pressure that the lumped paths ask for already. [N m]"""
@@ -109,4 +109,4 @@ def test_force_of_helical_teeth_lifts_the_gear_off_the_solid_bearing(motion: str
     assert after.position - before.position == pytest.approx(
         after.gaps[1] - before.gaps[1], rel=0.2
     )
-    assert before.seat_force - after.seat_force == pytest.approx(80.0, abs=0.1)
+    assert before.hold_down_force - after.hold_down_force == pytest.approx(80.0, abs=0.1)

@@ -21,7 +21,7 @@ from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.types import Array
 from toothspace.fmi import archive, export
-from toothspace.fmi.tables import PULSATING, tables_of
+from toothspace.fmi.operating_tables import PULSATING, tables_of
 from toothspace.studies.records import Record
 
 PUMP, MOTOR = (REPOSITORY / "cases" / f"egm12_{mode}.toml" for mode in ("pump", "motor"))

@@ -16,8 +16,8 @@ from toothspace.model.arrays import (
 )
 from toothspace.model.assembly import System, assemble
 from toothspace.model.contact_pair import RigidMesh
-from toothspace.model.films import lateral_drag
 from toothspace.model.fluid import GasModel, fluid_law
+from toothspace.model.lumped_films import lateral_drag
 from toothspace.model.operating_point import OperatingCondition
 
 

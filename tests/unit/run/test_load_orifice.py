@@ -101,3 +101,12 @@ def test_a_change_stays_short_of_an_area_that_was_too_wide() -> None:
     assert load_orifice._following([(1.0, -0.9), (0.0, 0.5)]) == pytest.approx(0.5)
     assert load_orifice._following([(1.0, -0.9), (0.0, 3.0)]) == pytest.approx(0.5)
     assert load_orifice._following([(1.0, -0.9), (0.0, 0.1)]) == pytest.approx(0.1)
+
+
+def test_an_orifice_without_effect_ends_the_rounds() -> None:
+    narrow = OutletBalance(90e5, 0.1, 0.1, -1e-9)
+    wider = replace(narrow, pressure=89.9e5)
+    assert load_orifice._stuck([(0.0, 1.6)], wider, narrow, 3e5)
+    assert not load_orifice._stuck([(0.0, 0.1)], wider, narrow, 3e5)
+    assert not load_orifice._stuck([(0.0, 1.6)], replace(narrow, pressure=40e5), narrow, 3e5)
+    assert not load_orifice._stuck([], narrow, None, 3e5)

@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -100,6 +103,14 @@ def test_a_worker_with_other_sources_is_refused(
         list(pool.each(abs, [-1]))
 
 
+def test_a_scheduler_may_be_lost_between_two_generations(threads: LocalCluster) -> None:
+    with Workers(1, threads.scheduler_address) as pool:
+        assert list(pool.each(abs, [-1])) == [(0, 1)]
+        pool._client.close()
+        with pytest.raises(ToothspaceError, match="does not answer any more"):
+            list(pool.each(abs, [-1]))
+
+
 def test_what_the_cluster_cannot_do_is_one_sentence(threads: LocalCluster) -> None:
     with (
         Workers(1, threads.scheduler_address) as pool,
@@ -113,28 +124,41 @@ def test_what_the_cluster_cannot_do_is_one_sentence(threads: LocalCluster) -> No
 def test_a_lost_scheduler_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, calls: list[Case]
 ) -> None:
-    monkeypatch.setattr(workers, "_ANSWER_TIME", 1.0)
-    cluster = LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    """Killed while the study waits for workers; points that it had before are kept."""
+    some = case_with_study(SWEEP.replace('"1000 rpm", ', ""))
+    run_study(some, tmp_path / "study")
+    kept = (tmp_path / "study" / FILE_NAME).read_text()
+    told = tmp_path / "scheduler.json"
+    words = ["--no-dashboard", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(told)]
+    scheduler = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_scheduler", *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
+    connect = workers._client
 
-    def end_cluster(_share: float, text: str) -> None:
-        if text.startswith("point 2 "):
-            cluster.close()
+    def connect_and_lose(address: str) -> Any:
+        client = connect(address)
+        scheduler.kill()
+        return client
 
-    with pytest.raises(ToothspaceError, match=r"scheduler .* does not answer any more; .*--resume"):
-        run_study(
-            case_with_study(SWEEP),
-            tmp_path,
-            scheduler=cluster.scheduler_address,
-            progress=end_cluster,
-        )
-    lines = (tmp_path / FILE_NAME).read_text().splitlines()
-    assert len(lines) >= 2
-    assert {json.loads(line)["status"] for line in lines} == {"done"}
-    done = run_study(case_with_study(SWEEP), tmp_path, resume=True)
+    monkeypatch.setattr(workers, "_client", connect_and_lose)
+    monkeypatch.setattr(workers, "_ANSWER_TIME", 5.0)
+    try:
+        while not told.exists():
+            assert scheduler.poll() is None
+            time.sleep(0.05)
+        address = json.loads(told.read_text())["address"]
+        lost = r"scheduler .* does not answer any more; .*--resume"
+        with pytest.raises(ToothspaceError, match=lost):
+            run_study(case_with_study(SWEEP), tmp_path / "study", scheduler=address, resume=True)
+    finally:
+        scheduler.kill()
+        scheduler.wait()
+    assert (tmp_path / "study" / FILE_NAME).read_text() == kept
+    done = run_study(case_with_study(SWEEP), tmp_path / "study", resume=True)
     assert done.status is Status.DONE
-    assert len(calls) <= 7
+    assert len(calls) == 6
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nothing://here", "here"])

@@ -44,7 +44,7 @@ def test_bearing_rises_and_stays_higher_on_the_way_down(name: str) -> None:
     assert loop_area(study) > 0.0
     for point in study.points:
         assert point.residual < 1e-6
-        assert point.numbers.seat_force > 0.0
+        assert point.numbers.hold_down_force > 0.0
 
 
 @pytest.mark.validation

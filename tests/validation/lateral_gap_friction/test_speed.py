@@ -35,14 +35,14 @@ def _filled(points: LateralPoints, case: Case, speed: float) -> xr.Dataset:
         inlet_pressure=case.operating_point.inlet_pressure,
         shaft_speed=speed * np.pi / 30.0,
     )
-    return points.lumped(condition)().data
+    return points.lumped(condition)(points.run.machine).data
 
 
 def _opening(points: LateralPoints, chambers: xr.Dataset, film: float) -> float:
     """Force of the films on the bearing at 2 um, whatever speed filled the chambers. [N]."""
     speed = chambers["shaft_speed"] * 0.0 + film * np.pi / 30.0
-    data, machine = chambers.assign(shaft_speed=speed), points.machine
-    problem = lateral_problem(machine.description, machine.fluid, data, points.settings)
+    data, run = chambers.assign(shaft_speed=speed), points.run
+    problem = lateral_problem(run.machine, run.fluid, data, points.settings)
     return float(np.mean([s.film_force()[0] for s in problem.started(2e-6).states]))
 
 

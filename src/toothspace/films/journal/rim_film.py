@@ -25,7 +25,7 @@ from toothspace.model.description import (
     SolvedJournal,
 )
 from toothspace.model.film_faces import FilmFace, RimFilm, SharedFaces
-from toothspace.model.films import LONG
+from toothspace.model.lumped_films import LONG
 from toothspace.model.path_category import RIM
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
 

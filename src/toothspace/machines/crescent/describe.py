@@ -9,7 +9,7 @@ from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
-from toothspace.machines.crescent import loads
+from toothspace.machines.crescent import gear_bodies
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.parameters import CrescentParameters
@@ -41,25 +41,25 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         for own, name in zip(tooth_spaces(assembly, numbering, spaces), FAMILIES, strict=True)
     )
     paths = flow_paths(assembly, numbering, spaces)
-    journals = loads.journal_bearings(assembly)
+    journals = gear_bodies.journal_bearings(assembly)
     checks = LazySequence(partial(design_checks, assembly, families, paths, journals))
     return MachineDescription(
         name="crescent",
         mode=spec.use,
         displacement=displacement(assembly),
-        bodies=loads.bodies(assembly),
-        motions=loads.MOTIONS,
+        bodies=gear_bodies.bodies(assembly),
+        motions=gear_bodies.MOTIONS,
         families=families,
         paths=paths,
         journals=journals,
-        laterals=loads.lateral_films(assembly, numbering),
-        contacts=flank_contacts(assembly, loads.flank_pair(assembly), numbering, spaces[0]),
+        laterals=gear_bodies.lateral_films(assembly, numbering),
+        contacts=flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0]),
         mesh=rigid_mesh(assembly),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
         drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
-        outlines=loads.outlines(assembly),
+        outlines=gear_bodies.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,

@@ -13,7 +13,7 @@ from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_edges, relief_polygons
-from toothspace.machines.crescent.loads import BODIES, MOTIONS
+from toothspace.machines.crescent.gear_bodies import BODIES, MOTIONS
 from toothspace.machines.crescent.parameters import NotchParameters
 from toothspace.model.description import FlowPath
 from toothspace.model.path_category import PathCategory

@@ -9,7 +9,7 @@ from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
-from toothspace.machines.external_gear import loads
+from toothspace.machines.external_gear import gear_bodies
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.external_gear.gear_faces import lateral_films
@@ -39,11 +39,11 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
-    journals, displaced = loads.journal_bearings(assembly), displacement(assembly)
-    families = drive.chambers(loads.BODIES[0]), driven.chambers(loads.BODIES[1])
+    journals, displaced = gear_bodies.journal_bearings(assembly), displacement(assembly)
+    families = drive.chambers(gear_bodies.BODIES[0]), driven.chambers(gear_bodies.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
     checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
-    contacts = flank_contacts(assembly, loads.flank_pair(assembly), numbering, spaces[0])
+    contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
     own = own_teeth(assembly, numbering, spaces)
     if own is not None:
         widths = spec.drive.face_width, spec.driven.face_width
@@ -62,8 +62,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         name="external_gear",
         mode=keys.use,
         displacement=displaced,
-        bodies=loads.bodies(assembly),
-        motions=loads.MOTIONS,
+        bodies=gear_bodies.bodies(assembly),
+        motions=gear_bodies.MOTIONS,
         families=families,
         paths=paths,
         journals=journals,
@@ -71,14 +71,14 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
-        free_blocks=loads.free_blocks(assembly),
+        free_blocks=gear_bodies.free_blocks(assembly),
         startup=None if keys.startup is None else keys.startup.friction,
         port_volumes=(keys.inlet.volume, keys.outlet.volume),
         drain=keys.drain_node,
         drain_pressure=keys.drain_pressure or 1e5,
         running_in=keys.casing.wear_in,
         lateral_balance=balance,
-        outlines=loads.outlines(assembly),
+        outlines=gear_bodies.outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,

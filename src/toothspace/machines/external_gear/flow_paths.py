@@ -13,7 +13,7 @@ from toothspace.gearing.space_paths import ToothSpaces, flank_paths
 from toothspace.gearing.spaces import Spaces
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.loads import BODIES, groove_polygons
+from toothspace.machines.external_gear.gear_bodies import BODIES, groove_polygons
 from toothspace.model.description import FlowPath
 from toothspace.model.path_category import PathCategory
 

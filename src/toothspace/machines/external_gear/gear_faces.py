@@ -16,7 +16,7 @@ from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.geometry.polygon import enclosed
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.loads import BODIES, groove_polygons
+from toothspace.machines.external_gear.gear_bodies import BODIES, groove_polygons
 from toothspace.model.description import LumpedLateralFilm
 from toothspace.model.film_faces import (
     NO_BODY,

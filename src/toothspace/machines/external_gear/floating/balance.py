@@ -20,8 +20,8 @@ from toothspace.machines.external_gear.floating.elastic_assembly import (
     spring_share,
 )
 from toothspace.machines.external_gear.floating.elastic_bodies import beside_cut
+from toothspace.machines.external_gear.gear_bodies import BODIES, bodies
 from toothspace.machines.external_gear.gear_faces import FaceOfGear, film_face
-from toothspace.machines.external_gear.loads import BODIES, bodies
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import (
     AxialForce,

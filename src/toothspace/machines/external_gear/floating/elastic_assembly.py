@@ -26,8 +26,8 @@ from toothspace.machines.external_gear.floating.elastic_bodies import (
     wall_direction,
 )
 from toothspace.machines.external_gear.floating.gear_flanks import GearFlanks
+from toothspace.machines.external_gear.gear_bodies import BODIES
 from toothspace.machines.external_gear.gear_faces import FaceOfGear
-from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import BodyLoad, LoadSource
 

@@ -15,19 +15,19 @@ import shapely
 import shapely.affinity
 
 from toothspace.elasticity.body import ElasticBody, Support, SweptShape
-from toothspace.elasticity.loads import (
+from toothspace.elasticity.mesh import Prism, disc
+from toothspace.elasticity.surface_loads import (
     AreaPressure,
     LateralFaces,
     LateralPressure,
     Load,
     journal_load,
 )
-from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
 from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.floating.gear_flanks import flank_loads
-from toothspace.machines.external_gear.loads import groove_polygons
+from toothspace.machines.external_gear.gear_bodies import groove_polygons
 
 BearingSide = Literal["floating", "solid"]
 

@@ -12,14 +12,14 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array
-from toothspace.elasticity.loads import AxialTraction, LateralFaces, LateralPressure, Load
+from toothspace.elasticity.surface_loads import AxialTraction, LateralFaces, LateralPressure, Load
 from toothspace.gearing.meshing import loaded_throats
 from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.spaces import drive_spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.gear_bodies import BODIES
 from toothspace.machines.external_gear.gear_faces import FaceOfGear
-from toothspace.machines.external_gear.loads import BODIES
 from toothspace.model.floating_bearing import BodyLoad
 
 _PATTERNS = 3
