@@ -1,4 +1,4 @@
-"""Sequences, mappings and packages that are there when somebody asks for them first."""
+"""Sequences and mappings that are computed on first use, and packages that a user may lack."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
+from toothspace.machines.external_gear.flow_paths import grooves_by_port, port_opening_lengths
 from toothspace.machines.external_gear.spec import Gear
 from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
 
@@ -312,7 +312,10 @@ def enclosed_mesh(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> Enclosed
     return EnclosedMesh(
         gears=assembly,
         spaces=spaces,
-        mouths=(mouth_lengths(assembly, spaces[0]), mouth_lengths(assembly, spaces[1])),
+        port_openings=(
+            port_opening_lengths(assembly, spaces[0]),
+            port_opening_lengths(assembly, spaces[1]),
+        ),
         groove_openings=partial(_groove_openings, assembly),
         grooves=spec.grooves,
         tip_rounding=min(spec.drive.tip_rounding, spec.driven.tip_rounding),
