@@ -145,7 +145,7 @@ from toothspace.plotting.style import StudyFigure
 from toothspace.plotting.style import new_figure
 from toothspace.studies.points import collected, operating_values, point, status_of
 from toothspace.studies.study import Study, StudyResult
-from toothspace.studies.tabulate import map_dataset, point_lists
+from toothspace.studies.points import map_dataset, point_lists
 
 
 @final

@@ -8,6 +8,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
+from toothspace.plotting.geometry import one_chamber
 from toothspace.plotting.section import port_side
 from toothspace.plotting.style import (
     BLUE,
@@ -22,7 +23,6 @@ from toothspace.plotting.style import (
     readable,
     styled,
 )
-from toothspace.plotting.windows import one_chamber
 from toothspace.results.ripple import high_pass, wave, whole_revolutions
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import LOADED_SHARE

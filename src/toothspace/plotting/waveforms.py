@@ -9,6 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
+from toothspace.plotting.geometry import one_chamber, opening_windows, openings_of
 from toothspace.plotting.style import (
     BLUE,
     GREEN,
@@ -22,7 +23,6 @@ from toothspace.plotting.style import (
     readable,
     styled,
 )
-from toothspace.plotting.windows import one_chamber, opening_windows, openings_of
 from toothspace.results.ledger import LedgerRow, loss_causes, power_ledger
 from toothspace.results.performance import means_by_label
 from toothspace.results.ripple import (

@@ -4,10 +4,9 @@
 module         responsibility
 ============== =================================================================================
 study          how a study is declared and run, finished points on disk, what it gives back
-points         points of a study, evaluated once each
+points         points of a study, evaluated once each, as datasets, lists and tables
 workers        processes that share the points
 variation      keys that several studies have; values of varied keys: grids, samples, distributions
-tabulate       records of points as datasets, lists and tables
 measured       measured columns
 least_squares  fits within bounds
 bearing_points operating points of a floating bearing, in memory and on disk

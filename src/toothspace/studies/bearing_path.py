@@ -63,13 +63,15 @@ from toothspace.studies.bearing_points import (
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     collected,
+    columns,
+    map_dataset,
     operating_point_of,
     operating_values,
     point,
+    point_lists,
     status_of,
 )
 from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, map_dataset, point_lists
 from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:

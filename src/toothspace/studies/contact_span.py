@@ -33,9 +33,16 @@ from toothspace.plotting.style import (
 from toothspace.results.ripple import high_pass
 from toothspace.results.solution import Solution
 from toothspace.studies.measured import read_measured
-from toothspace.studies.points import collected, operating_values, point, status_of
+from toothspace.studies.points import (
+    collected,
+    numbers_table,
+    operating_values,
+    point,
+    point_lists,
+    record_arrays,
+    status_of,
+)
 from toothspace.studies.study import Record, Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import numbers_table, point_lists, record_arrays
 from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:

@@ -30,14 +30,16 @@ from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Evaluate,
     collected,
+    map_dataset,
+    numbers_table,
     operating_point_of,
     operating_values,
     point,
+    point_lists,
     status_of,
     summary_numbers,
 )
 from toothspace.studies.study import Record, Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
 from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:

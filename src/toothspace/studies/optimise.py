@@ -37,7 +37,13 @@ from toothspace.plotting.style import (
 )
 from toothspace.results.variables import require_known
 from toothspace.studies.least_squares import fit
-from toothspace.studies.points import evaluate_points, point, require_accepted
+from toothspace.studies.points import (
+    evaluate_points,
+    point,
+    points_dataset,
+    points_table,
+    require_accepted,
+)
 from toothspace.studies.study import (
     Record,
     Study,
@@ -46,7 +52,6 @@ from toothspace.studies.study import (
     StudyTable,
     failed_count,
 )
-from toothspace.studies.tabulate import points_dataset, points_table
 from toothspace.studies.variation import (
     LIMITS,
     VARY,

@@ -25,9 +25,15 @@ from toothspace.plotting.style import (
     new_figure,
     styled,
 )
-from toothspace.studies.points import collected, point, status_of
+from toothspace.studies.points import (
+    collected,
+    map_dataset,
+    numbers_table,
+    point,
+    point_lists,
+    status_of,
+)
 from toothspace.studies.study import Record, Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
 from toothspace.studies.variation import SPEED
 
 if TYPE_CHECKING:

@@ -29,9 +29,15 @@ from toothspace.plotting.style import (
     spread,
     styled,
 )
-from toothspace.studies.points import collected, point, status_of
+from toothspace.studies.points import (
+    collected,
+    point,
+    point_lists,
+    points_dataset,
+    points_table,
+    status_of,
+)
 from toothspace.studies.study import Study, StudyContext, StudyResult, run_study
-from toothspace.studies.tabulate import point_lists, points_dataset, points_table
 from toothspace.studies.variation import VARY, axes_of, check_vary, grid, samples, written_values
 
 if TYPE_CHECKING:

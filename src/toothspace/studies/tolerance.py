@@ -24,7 +24,14 @@ from toothspace.plotting.style import (
     styled,
 )
 from toothspace.results.variables import require_known
-from toothspace.studies.points import collected, point, status_of
+from toothspace.studies.points import (
+    collected,
+    columns,
+    point,
+    points_dataset,
+    points_table,
+    status_of,
+)
 from toothspace.studies.study import (
     Record,
     Study,
@@ -33,7 +40,6 @@ from toothspace.studies.study import (
     StudyTable,
     failed_count,
 )
-from toothspace.studies.tabulate import columns, points_dataset, points_table
 from toothspace.studies.variation import (
     LIMITS,
     VARY,

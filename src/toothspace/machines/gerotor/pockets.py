@@ -28,7 +28,7 @@ from toothspace.core.types import Array
 from toothspace.geometry.curve import polar, signed_area, turned
 from toothspace.machines.gerotor.contact_table import distance_to_inner, nearest_place
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
-from toothspace.machines.gerotor.rotor_parameters import RotorParameters
+from toothspace.machines.gerotor.rotor_files import RotorParameters
 
 FULL_TURN = 2.0 * np.pi
 _FINER = 8

@@ -21,8 +21,12 @@ from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array, BoolArray
 from toothspace.core.units import to_si
 from toothspace.geometry.curve import counter_clockwise, without_repeats
-from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
-from toothspace.machines.gerotor.rotor_parameters import RotorParameters
+from toothspace.machines.gerotor.rotor_files import (
+    DrawnRotor,
+    RotorParameters,
+    drawn_eccentricity,
+    rotor_pair,
+)
 
 _CONTOUR_SAMPLES = 12_000
 _NEWTON_STEPS = 5

@@ -19,6 +19,7 @@ from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
     BearingSide,
+    GearFlanks,
     MeshSize,
     bearing_body,
     bearing_section,
@@ -28,7 +29,6 @@ from toothspace.machines.external_gear.floating.elastic_bodies import (
     waist,
     wall_direction,
 )
-from toothspace.machines.external_gear.floating.gear_flanks import GearFlanks
 from toothspace.machines.external_gear.gear_bodies import BODIES, FaceOfGear, bodies, film_face
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import (
