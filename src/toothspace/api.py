@@ -19,7 +19,7 @@ from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
 from toothspace.core.progress import Progress
-from toothspace.core.registry import machine_type, machine_type_names, optional_part
+from toothspace.core.registry import machine_type, machine_type_names, optional_function
 from toothspace.core.types import Array
 from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
 from toothspace.model.description import MachineDescription
@@ -252,14 +252,15 @@ def evaluate_designs(
         volume = parse_quantity(str(volume), "cm^3/rev")
     given = load_case(case)
     name, label = given.machine_type, given.label
-    part = optional_part(name, "designs") if name else None
-    if part is None:
-        able = [repr(one) for one in machine_type_names() if optional_part(one, "designs")]
+    evaluate = optional_function(name, "evaluate_designs") if name else None
+    if evaluate is None:
+        names = machine_type_names()
+        able = [repr(one) for one in names if optional_function(one, "evaluate_designs")]
         found = repr(name) if name else "no machine"
         raise CaseError("machine.type", found, " or ".join(able)).in_file(label)
     inner = {path.removeprefix("machine."): row for path, row in rows.items()}
     try:
-        evaluated: EvaluatedDesigns = part.evaluate_designs(given.machine, inner, addendum, volume)
+        evaluated: EvaluatedDesigns = evaluate(given.machine, inner, addendum, volume)
     except CaseError as error:
         raise error.under("machine").in_file(label) from error
     return evaluated.shaped(shape)
@@ -315,8 +316,8 @@ def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder
     CaseError
         If no machine type finds its parts.
     """
-    parts = [optional_part(name, "case_draft") for name in machine_type_names()]
-    drafts = [part.draft_case(files, unit, request, folder) for part in parts if part is not None]
+    makers = [optional_function(name, "draft_case") for name in machine_type_names()]
+    drafts = [make(files, unit, request, folder) for make in makers if make is not None]
     found = [draft for draft in drafts if draft is not None]
     if not found:
         raise CaseError(f"{files[0]}: --case", "no machine", "gears or rotors of one")

@@ -13,7 +13,7 @@ from toothspace.cli import output
 from toothspace.cli.output import CaseFile, Force, Json, Overrides, load, named, read_quantity
 from toothspace.core.errors import CaseError
 from toothspace.core.files import require_writable
-from toothspace.core.registry import machine_type_names, optional_part
+from toothspace.core.registry import machine_type_names, optional_function
 
 if TYPE_CHECKING:
     from toothspace.case import Case
@@ -94,13 +94,14 @@ def _put(folder: Path, option: str, force: bool, write: Callable[[Path], object]
 
 
 def _export(case: Case, suffix: str, *, force: bool) -> None:
-    part = optional_part(case.machine_type, "export")
-    if part is None:
-        allowed = ", ".join(n for n in machine_type_names() if optional_part(n, "export"))
+    export = optional_function(case.machine_type, "export_profiles")
+    if export is None:
+        names = machine_type_names()
+        allowed = ", ".join(name for name in names if optional_function(name, "export_profiles"))
         raise CaseError("--export", f"machine type {case.machine_type!r}", allowed)
 
     def write(place: Path) -> None:
-        part.export_profiles(case.machine_spec, place / case.name, suffix)
+        export(case.machine_spec, place / case.name, suffix)
 
     for path in _put(Path(), "--export", force, write):
         output.message(f"Profile: {path}")

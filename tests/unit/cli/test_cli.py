@@ -412,7 +412,7 @@ def test_export_of_an_unknown_format_or_machine(
 ) -> None:
     assert main(["geometry", str(MOTOR), "--export", "iges"]) == 2
     assert "--export: found 'iges', allowed dxf, stl, step, txt" in capsys.readouterr().err
-    monkeypatch.setattr(machines, "optional_part", lambda *_: None)
+    monkeypatch.setattr(machines, "optional_function", lambda *_: None)
     assert main(["geometry", str(GEROTOR), "--export", "dxf"]) == 2
     assert "--export: found machine type 'gerotor', allowed" in capsys.readouterr().err
 
