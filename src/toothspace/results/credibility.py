@@ -39,6 +39,9 @@ IMPACT_LIMIT = 0.5
 CUT_LIMIT = 0.5e-6
 """Depth to which tips may run against a wall, of the order of its roughness. [m]"""
 
+_WHOLE = (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING, Status.NOT_REACHED)
+"""How a run ends whose masses and energies are those of a whole revolution."""
+
 _BAR = 1e5
 _ANY = 0.0, math.inf
 _COMPARED = (
@@ -131,7 +134,7 @@ def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
 def _numbers(solution: Solution) -> Iterator[Finding]:
     numbers = {k: v for k, v in solution.summary().items() if isinstance(v, int | float)}
     yield from _efficiencies(numbers)
-    whole = solution.status in (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING)
+    whole = solution.status in _WHOLE
     for name, limit in BALANCE_LIMITS.items():
         value = numbers.get(name, math.nan)
         if value > limit and whole:
