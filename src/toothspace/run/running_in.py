@@ -40,7 +40,12 @@ _STILL_CUTS = (
 )
 _CHANGE = "change"
 """Name under which the change of the tracks is kept beside them."""
-CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
+CUT_SHORT = (
+    Status.INTERRUPTED,
+    Status.STEP_TOO_SMALL,
+    Status.MAX_STEPS,
+    Status.OUT_OF_MESH,
+)
 """How a march ends before its time."""
 
 
