@@ -239,7 +239,8 @@ def _skipped(solution: Solution) -> Iterator[Finding]:
     """A body that turned so far from its place in the mesh that teeth would have skipped."""
     if solution.status is not Status.OUT_OF_MESH:
         return
-    angles = by_label(np.abs(np.degrees(solution.data["body_rotation"][-1])))
+    turned = by_label(solution.data["body_rotation"][-1])
+    angles = {name: math.degrees(abs(angle)) for name, angle in turned.items()}
     body = max(angles, key=lambda name: angles[name])
     pitch = math.degrees(tooth_pitch(solution.data))
     found = f"{angles[body]:.3g} deg"
