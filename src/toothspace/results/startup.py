@@ -13,8 +13,6 @@ from toothspace.core.types import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-    from toothspace.results.solution import Solution
-
 STANDING = "Turning of a free shaft"
 """What a shaft that does not turn is about."""
 
@@ -62,15 +60,14 @@ def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
     }
 
 
-def standing(solution: Solution) -> Iterator[Finding]:
+def standing(data: xr.Dataset) -> Iterator[Finding]:
     """Say that a shaft that is free never turned, or stands still although the supply runs.
 
     Parameters
     ----------
-    solution : Solution
-        Run over time of a machine with a free shaft, complete or not.
+    data : xarray.Dataset
+        Rows over time of a machine with a free shaft.
     """
-    data = solution.data
     speed, time = np.asarray(data["shaft_speed"]), np.asarray(data["time"])
     if speed[-1] != 0.0:
         return

@@ -158,7 +158,7 @@ class Run:
         system = assemble(self.machine, self.fluid, self.condition)
         found = solve_to_balance(system, solve)
         if self.condition.free_shaft is not None and found.status is Status.DONE:
-            found = found.with_note(*standing(found))
+            found = found.with_note(*standing(found.data))
         return self._marked(SeatSearch(self.machine).noted(found))
 
     def _marked(self, solution: Solution) -> Solution:
