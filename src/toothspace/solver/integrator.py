@@ -51,7 +51,7 @@ _COUNTERS = {
 @final
 @dataclass(frozen=True)
 class March:
-    """One integration under way: advance it piece by piece."""
+    """One integration, advanced piece by piece."""
 
     system: System
     """What is integrated."""
