@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,14 +20,6 @@ from toothspace.core.registry import view
 from toothspace.core.status import Event, Status
 from toothspace.core.types import Array
 from toothspace.results import performance
-from toothspace.results.file_layout import (
-    EXTRA_VARIABLES,
-    PROVENANCE,
-    STATISTICS,
-    read_events,
-    read_ledger,
-    read_warnings,
-)
 from toothspace.results.ledger import Ledger
 from toothspace.results.tooth_contacts import ToothContacts, contact_numbers, tooth_contacts
 
@@ -148,6 +140,14 @@ class Solution:
             statistics={**self.statistics, **statistics},
             warnings=found,
         )
+
+    def short_of(self, told: Finding | str) -> Solution:
+        """Solution that misses what was asked, and says what; an empty text misses nothing."""
+        if not told:
+            return self
+        finding = Finding("warning", told, severity="serious") if isinstance(told, str) else told
+        status = Status.NOT_REACHED if self.status is Status.DONE else self.status
+        return replace(self.with_note(finding), status=status)
 
     @property
     def case(self) -> Any:
@@ -340,6 +340,9 @@ class Figures:
         return self.figure("openings")
 
 
+STANDING = "Turning of a free shaft"
+"""What a shaft that does not turn is about."""
+
 _BAR = 1e5
 _TURN = 2.0 * np.pi
 _SETTLING = 1.0
@@ -382,6 +385,41 @@ def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
         "settled_pressure_bar": settled / _BAR,
         "startup_to_settled_ratio": startup / settled if settled else np.nan,
     }
+
+
+def standing(data: xr.Dataset) -> Iterator[Finding]:
+    """Say that a shaft that is free never turned, or stands still although the supply runs.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Rows over time of a machine with a free shaft.
+    """
+    speed, time = np.asarray(data["shaft_speed"]), np.asarray(data["time"])
+    if speed[-1] != 0.0:
+        return
+    pressure = np.asarray(data["pressure_difference"])
+    if not speed.any():
+        reached = f"{float(np.abs(pressure).max()) / _BAR:.4g} bar"
+        text = f"The shaft never turns: friction and load hold it against {reached}."
+    elif float(np.asarray(data["supply_speed"])[-1]) > 0.0:
+        since = float(time[np.flatnonzero(speed)[-1]])
+        reached = f"{float(pressure[-1]) / _BAR:.4g} bar"
+        text = (
+            f"The shaft stands still since {since:.3g} s although the supply runs: friction and "
+            f"load hold it against {reached}."
+        )
+    else:
+        return
+    yield Finding(
+        "warning",
+        text,
+        quantity=STANDING,
+        found="0 rpm",
+        allowed="a shaft that turns",
+        advice="Raise the opening_pressure of the relief valve or the flow of the supply, let "
+        "circuit.duration be longer, or lower the load or the breakaway torque.",
+    )
 
 
 def tooth_pitch(data: xr.Dataset) -> float:
@@ -449,6 +487,15 @@ def load_solution(path: str | Path) -> Solution:
     CaseError
         If the file is missing, damaged or not a result of this package.
     """
+    from toothspace.results.file_layout import (
+        EXTRA_VARIABLES,
+        PROVENANCE,
+        STATISTICS,
+        read_events,
+        read_ledger,
+        read_warnings,
+    )
+
     dataset = read_dataset(path, "a NetCDF file of a run or study")
     if "status" not in dataset.attrs or "ledger_energy" not in dataset:
         raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")

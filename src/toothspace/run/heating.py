@@ -44,11 +44,13 @@ _REMEMBERED = 1
 _TOO_WARM = (
     "Films that thin with their heat would reach {:.0f} degC, beyond the {:.0f} degC to which the "
     "fluid is known: the numbers are those of films at the temperature of the fluid. Open the "
-    "clearances, lower the speed, or cool the bearings."
+    "clearances, lower operating_point.shaft_speed, or cool the bearings with "
+    "heat.bearing_flushing."
 )
 _NOT_AGREED = (
     "Temperatures still change by {:.2g} K from round to round: the viscosities in the films are "
-    "not those of the temperatures shown."
+    'not those of the temperatures shown. Set heat.model = "network" for temperatures that the '
+    "films do not feel, or change clearances or operating_point.shaft_speed a little."
 )
 
 
@@ -115,7 +117,7 @@ class HeatSearch:
         nodes = dataset_from(values, {"heat_node": list(temperature)})
         data = self._solution.data.merge(nodes, combine_attrs="override")
         told = replace(self._solution, data=data)
-        return told.with_note(self._warning, warm_up_time=network.warm_up_time)
+        return told.with_note(warm_up_time=network.warm_up_time).short_of(self._warning)
 
 
 def _sheared_share(case: Case, reached: float, highest: float) -> float:

@@ -45,6 +45,7 @@ from toothspace.plotting.style import (
 )
 from toothspace.results.variables import unit_of
 from toothspace.studies.bearing_points import (
+    LateralPoints,
     PointCondition,
     film_numbers,
     point_key,
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NOT_SETTLED = Status.NOT_CONVERGED.name.lower()
 GAPS = (
     np.array([0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.3, 2.7, 3.2, 4, 5, 7, 10, 14, 20]) * 1e-6
 )
@@ -141,6 +143,8 @@ class FilmTable:
     """Numbers of the films over ``GAPS``, names with unit suffix."""
     plane_area: float
     """Area that plane rigid faces would carry. [m2]"""
+    unsettled: tuple[str, ...] = ()
+    """What did not come to its end, in words: the chambers, or the films at a gap."""
 
     def at(self, name: str, gaps: Array) -> Array:
         """Number of the films at gaps. [m to unit of the name]."""
@@ -168,41 +172,10 @@ def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyR
     """
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
-    import xarray as xr
-
-    order = _order(tables, study)
-    dims = ("friction_coefficient", "balance_ratio", "point")
-    data: dict[str, Any] = {"gap_um": (dims, loops * 1e6, {"units": "um"})}
-    for name in tables[0].numbers:
-        values = [tables[k].at(name, loops[..., j]) for j, k in enumerate(order)]
-        # beyond the table the bearing lifted off, and its films say nothing
-        shown = np.where(loops < GAPS[-1], np.stack(values, axis=-1), np.nan)
-        data[name] = (dims, shown, {"units": unit_of(name)})
-    data["loop_area_um_bar"] = (dims[:2], _loop_areas(study, loops), {"units": "um bar"})
-    data["claim_holds"] = (("claim", *dims[:2]), _claimed(study, loops).astype(np.int8))
-    plane = _reference(tables, study) * 1e6
-    ratio = np.asarray(study.balance_ratio)
-    data["balanced_area_mm2"] = ("balance_ratio", ratio * plane, {"units": "mm2"})
-    coords = {
-        "friction_coefficient": np.asarray(study.friction_coefficient),
-        "balance_ratio": ratio,
-        "outlet_pressure_bar": ("point", np.asarray(study.outlet_pressures) * 1e-5),
-        "claim": list(CLAIMS),
-    }
-    every = _claimed(study, loops).all(axis=0)
-    ratio = np.asarray(study.balance_ratio)
-    windows = [ratio[held].tolist() for held in np.atleast_2d(every)]
     return StudyResult(
-        status=Status.DONE,
-        data=xr.Dataset(data, coords=coords, attrs={"lifted_gap_um": study.lifted_gap * 1e6}),
-        numbers={
-            "plane_area_mm2": tables[-1].plane_area * 1e6,
-            "reference_area_mm2": _reference(tables, study) * 1e6,
-            "friction_coefficient": list(study.friction_coefficient),
-            "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
-            "highest_ratio_all_claims": [max(w) if w else None for w in windows],
-            "ratios_with_all_claims": windows,
-        },
+        status=Status.POINTS_FAILED if any(one.unsettled for one in tables) else Status.DONE,
+        data=_dataset(study, tables, loops),
+        numbers=_numbers(study, tables, loops),
         tables=(_table(study, tables, loops),),
     )
 
@@ -226,28 +199,9 @@ def film_tables(
         key = point_key(case, "balance_sweep", pressure)
         kept = context.records.get(key)
         if kept is None:
-            condition = PointCondition.of(points.case, "", outlet_pressure=pressure)
-            run = points.run
-            lumped = points.lumped(condition)(run.machine)
-            if lumped.status is Status.INTERRUPTED:
-                raise KeyboardInterrupt
-            problem = lateral_problem(run.machine, run.fluid, lumped.data, points.settings)
-            rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")
-            plane = lateral_problem(run.machine, run.fluid, lumped.data, rigid)
-            back, bearing = problem.loads.back, problem.stack.balance.floating
-            difference = back.high - back.low
-            rows = [_row(problem, gap) for gap in GAPS]
-            net = np.array([row.pop("opening_N") for row in rows])
-            carried = _opening(plane, plane.started(_PLANE_GAP)) + bearing.preload.size
-            table = FilmTable(
-                pressure,
-                difference,
-                np.asarray(PchipInterpolator(GAPS, net)(_FINE)),
-                problem.loads.friction.coulomb_force,
-                {name: np.array([row[name] for row in rows]) for name in rows[0]},
-                carried / difference,
-            )
-            context.records.add(Record(key, DONE, plain(asdict(table))))
+            table = _film_table(points, pressure)
+            told, status = "; ".join(table.unsettled), NOT_SETTLED if table.unsettled else DONE
+            context.records.add(Record(key, status, plain(asdict(table)), told))
         else:
             own: dict[str, Any] = {**kept.numbers, "opening": np.array(kept.numbers["opening"])}
             own["numbers"] = {name: np.array(v) for name, v in own["numbers"].items()}
@@ -256,13 +210,46 @@ def film_tables(
     return tuple(found)
 
 
-def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
-    """Opening force without the balanced area, and numbers of the films at one gap."""
+def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
+    condition = PointCondition.of(points.case, "", outlet_pressure=pressure)
+    run = points.run
+    lumped = points.lumped(condition)(run.machine)
+    if lumped.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    problem = lateral_problem(run.machine, run.fluid, lumped.data, points.settings)
+    rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")
+    plane = lateral_problem(run.machine, run.fluid, lumped.data, rigid)
+    back, bearing = problem.loads.back, problem.stack.balance.floating
+    difference = back.high - back.low
+    settled = [_row(problem, gap) for gap in GAPS]
+    rows = [row for row, _ in settled]
+    unsettled = [] if lumped.status.succeeded else [f"chambers are {lumped.status.name.lower()}"]
+    unsettled += [
+        f"films at {1e6 * gap:.3g} um do not settle"
+        for gap, (_, found) in zip(GAPS, settled, strict=True)
+        if not found
+    ]
+    net = np.array([row.pop("opening_N") for row in rows])
+    carried = _opening(plane, plane.started(_PLANE_GAP)) + bearing.preload.size
+    return FilmTable(
+        pressure,
+        difference,
+        np.asarray(PchipInterpolator(GAPS, net)(_FINE)),
+        problem.loads.friction.coulomb_force,
+        {name: np.array([row[name] for row in rows]) for name in rows[0]},
+        carried / difference,
+        tuple(unsettled),
+    )
+
+
+def _row(problem: LateralProblem, gap: float) -> tuple[dict[str, float], bool]:
+    """Opening force without the balanced area, and numbers of the films at one gap; if settled."""
     held = problem.held_at(float(problem.stack.opening @ problem.stack.start(gap)))
     found = settle_bearing(held, held.started(gap))
     own = film_numbers(found.numbers)
     opening = _opening(problem, found.balance)
-    return {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+    numbers = {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+    return numbers, found.equilibrium.settled and found.warm
 
 
 def _opening(problem: LateralProblem, balance: Balance) -> float:
@@ -384,6 +371,50 @@ def _loop_areas(study: BalanceSweepStudy, loops: Array) -> Array:
     pressure = np.asarray(study.outlet_pressures)
     areas = -np.trapezoid(2.0 * loops, pressure, axis=-1) * 1e6 * 1e-5
     return np.where(loops.max(axis=-1) < GAPS[-1], areas, np.nan)
+
+
+def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> xr.Dataset:
+    import xarray as xr
+
+    order = _order(tables, study)
+    dims = ("friction_coefficient", "balance_ratio", "point")
+    data: dict[str, Any] = {"gap_um": (dims, loops * 1e6, {"units": "um"})}
+    for name in tables[0].numbers:
+        values = [tables[k].at(name, loops[..., j]) for j, k in enumerate(order)]
+        # beyond the table the bearing lifted off, and its films say nothing
+        shown = np.where(loops < GAPS[-1], np.stack(values, axis=-1), np.nan)
+        data[name] = (dims, shown, {"units": unit_of(name)})
+    data["loop_area_um_bar"] = (dims[:2], _loop_areas(study, loops), {"units": "um bar"})
+    data["claim_holds"] = (("claim", *dims[:2]), _claimed(study, loops).astype(np.int8))
+    plane = _reference(tables, study) * 1e6
+    ratio = np.asarray(study.balance_ratio)
+    data["balanced_area_mm2"] = ("balance_ratio", ratio * plane, {"units": "mm2"})
+    coords = {
+        "friction_coefficient": np.asarray(study.friction_coefficient),
+        "balance_ratio": ratio,
+        "outlet_pressure_bar": ("point", np.asarray(study.outlet_pressures) * 1e-5),
+        "claim": list(CLAIMS),
+    }
+    return xr.Dataset(data, coords=coords, attrs={"lifted_gap_um": study.lifted_gap * 1e6})
+
+
+def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> dict[str, Any]:
+    every = _claimed(study, loops).all(axis=0)
+    ratio = np.asarray(study.balance_ratio)
+    windows = [ratio[held].tolist() for held in np.atleast_2d(every)]
+    return {
+        "plane_area_mm2": tables[-1].plane_area * 1e6,
+        "reference_area_mm2": _reference(tables, study) * 1e6,
+        "friction_coefficient": list(study.friction_coefficient),
+        "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
+        "highest_ratio_all_claims": [max(w) if w else None for w in windows],
+        "ratios_with_all_claims": windows,
+        "unsettled": {
+            f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
+            for one in tables
+            if one.unsettled
+        },
+    }
 
 
 def _table(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> StudyTable:
