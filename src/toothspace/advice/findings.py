@@ -206,6 +206,8 @@ def findings_of(
 ) -> tuple[Finding, ...]:
     """List what a reader should know before trusting a result or building its machine.
 
+    Serious ones first; each sentence once.
+
     Parameters
     ----------
     solution : Solution
@@ -214,11 +216,6 @@ def findings_of(
         Its machine; without it rules, and limits of its bearings and teeth, are left out.
     note : str, optional
         Why there is no machine.
-
-    Returns
-    -------
-    tuple of Finding
-        Serious ones first; each sentence once.
     """
     limits = [limit_finding(x) for x in limits_of(solution, description) if x.exceeded]
     rules = () if description is None else description.checks

@@ -28,17 +28,14 @@ def pair_checks(
 ) -> tuple[DesignCheck, ...]:
     """Geometric design rules of a gear pair.
 
+    Contact ratio, tip land, undercut, interference, root clearance, backlash, trapped volume.
+
     Parameters
     ----------
     face_width : float
         Tooth length. [m]
     vented : bool
         Whether relief grooves join the volume between two contacts to the ports.
-
-    Returns
-    -------
-    tuple of DesignCheck
-        Contact ratio, tip land, undercut, interference, root clearance, backlash, trapped volume.
     """
     gears = (("drive gear", pair.drive), ("driven gear", pair.driven))
     checks = [contact_ratio_check(pair.contact_ratio)]
@@ -189,17 +186,14 @@ def bearing_checks(
 ) -> tuple[DesignCheck, ...]:
     """Clearances of bearings over their radius, and play over the room in the teeth.
 
+    One for each bearing, and one for the play.
+
     Parameters
     ----------
     journals : sequence of LumpedJournalBearing
         Bearings, two of those at either side of a gear as one.
     root_clearance : float or None
         Smallest room of a mating tip in a root; None where teeth do not limit the play. [m]
-
-    Returns
-    -------
-    tuple of DesignCheck
-        One for each bearing, and one for the play.
 
     References
     ----------

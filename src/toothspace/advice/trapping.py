@@ -135,10 +135,7 @@ class EnclosedMesh:
 def mesh_chain(mesh: EnclosedMesh) -> MeshChain:
     """Put the spaces round the centre line in the order in which throats join them.
 
-    Returns
-    -------
-    MeshChain
-        Three spaces of each gear over one pitch of the shaft angle.
+    Three spaces of each gear over one pitch of the shaft angle.
     """
     spaces = mesh.spaces
     count = spaces[0].angles.size // mesh.gears.counts[0]
@@ -207,10 +204,7 @@ def _throat(mesh: EnclosedMesh, side: Throats) -> Opening:
 def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
 
-    Returns
-    -------
-    Trapping
-        Highest pressure, exchange through the backlash and short circuit.
+    Highest pressure, exchange through the backlash and short circuit.
 
     Notes
     -----
@@ -314,10 +308,7 @@ def trapping_checks(mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
 def sealing_edge(mesh: EnclosedMesh) -> str:
     """Where to move the edge of the opening-side groove so that the mesh parts both ports.
 
-    Returns
-    -------
-    str
-        A sentence; empty where the mesh parts them, or without grooves.
+    A sentence; empty where the mesh parts them, or without grooves.
     """
 
     def parts(grooves: ReliefGrooves) -> bool:
@@ -412,17 +403,14 @@ def joined_area(
 ) -> float:
     """Area that joins both ports, mean over a pitch of the first family.
 
+    Orifice for openings of single chambers to both ports, and of two that mesh, in series. [m2]
+
     Parameters
     ----------
     families, paths : sequence of ChamberFamily, FlowPath
         Chambers, and all paths of the machine.
     closed_by : float
         Part by which bearing play closes the throats between meshing chambers. [m]
-
-    Returns
-    -------
-    float
-        Orifice for openings of single chambers to both ports, and of two that mesh, in series. [m2]
     """
     first = families[0]
     pitch = 2.0 * np.pi / (first.count * abs(first.angle_ratio))
@@ -456,6 +444,8 @@ def opening_checks(
 ) -> tuple[DesignCheck, ...]:
     """Seal between both ports, and relief grooves that chambers meet.
 
+    Short circuit, and opening of the grooves if there are any.
+
     Parameters
     ----------
     families, paths, closed_by
@@ -464,11 +454,6 @@ def opening_checks(
         Displaced volume. [m3/rad]
     condition : DesignCondition
         Pressure and speed of the short circuit.
-
-    Returns
-    -------
-    tuple of DesignCheck
-        Short circuit, and opening of the grooves if there are any.
     """
     velocity = float(np.sqrt(2.0 * condition.pressure_difference / DENSITY))
     flow = DISCHARGE_COEFFICIENT * velocity * joined_area(families, paths, closed_by)

@@ -55,10 +55,7 @@ class Session:
     def tables(self, name: str) -> dict[str, Any]:
         """Keys of a case that is listed, as tables with texts for quantities.
 
-        Raises
-        ------
-        CaseError
-            If no case of that name is listed, or it cannot be read.
+        Raises CaseError if no case of that name is listed, or it cannot be read.
         """
         if name not in self.cases():
             raise CaseError("case", f"{name!r}", "one that is listed")
@@ -85,10 +82,7 @@ class Session:
     def start(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Run a case; returns the state.
 
-        Raises
-        ------
-        CaseError
-            If a key cannot be taken, or a run is under way.
+        Raises CaseError if a key cannot be taken, or a run is under way.
         """
         case = self.case(tables)
         if self._thread is not None and self._thread.is_alive():
@@ -119,10 +113,7 @@ class Session:
     def written(self, ending: str, folder: Path) -> Path:
         """Write the result as a page (``.html``) or as data (``.nc``) into a folder; its file.
 
-        Raises
-        ------
-        CaseError
-            If there is none.
+        Raises CaseError if there is none.
         """
         found, file = self.solution, folder / f"result{ending}"
         if found is None:

@@ -80,15 +80,13 @@ class Document:
 def read_document(path: Path, label: str) -> Document:
     """Return the tables of a TOML file.
 
+    Raises CaseError if it, or the file that it is based on, is missing, no text in UTF-8 or no
+    TOML.
+
     Parameters
     ----------
     label : str
         Its name in messages.
-
-    Raises
-    ------
-    CaseError
-        If it, or the file that it is based on, is missing, no text in UTF-8 or no TOML.
     """
     return parse_document(_read_text(path, label), label, path.parent)
 
@@ -123,6 +121,8 @@ def _is_shipped(path: Path) -> bool:
 def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0) -> Document:
     """Return the tables of TOML text, laid over those of its base.
 
+    Raises CaseError if the text or a base is no TOML, or a base leads back to itself.
+
     Parameters
     ----------
     text : str
@@ -134,11 +134,6 @@ def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0)
         Folder that ``base`` is relative to.
     depth : int
         How many files are based on this one.
-
-    Raises
-    ------
-    CaseError
-        If the text or a base is no TOML, or a base leads back to itself.
     """
     try:
         tables = tomllib.loads(text)
@@ -374,10 +369,7 @@ def split_override(override: str) -> tuple[str, Any]:
     The value is TOML; anything else is taken as text, so that ``machine.gears.module=3 mm``
     needs no inner quotes.
 
-    Raises
-    ------
-    CaseError
-        If it has no key or no value.
+    Raises CaseError if it has no key or no value.
     """
     path, equals, value = (part.strip() for part in str(override).partition("="))
     if not equals or not value or not _PATH.fullmatch(path):
@@ -392,17 +384,14 @@ def split_override(override: str) -> tuple[str, Any]:
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables with values of key paths replaced, in their order.
 
+    Raises CaseError if a path is no key path, or leads through a value.
+
     Parameters
     ----------
     tables : mapping
         Tables of a case; not changed.
     values : mapping of key path to value
         Values as they would stand in a case file; None takes the key out.
-
-    Raises
-    ------
-    CaseError
-        If a path is no key path, or leads through a value.
     """
     changed: Any = dict(tables)
     for path, value in values.items():

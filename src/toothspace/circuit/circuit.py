@@ -82,6 +82,9 @@ def build_circuit(
 ) -> CircuitNetwork:
     """Join the elements of a case to nodes of one pressure each.
 
+    Raises CaseError if an end stays open, two tanks are joined, or nothing holds fluid between
+    elements.
+
     Parameters
     ----------
     circuit : Circuit
@@ -90,11 +93,6 @@ def build_circuit(
         Fluid at inlet and outlet of the machine. [m3]
     fluid : FluidLaw
         Constants of the fluid; the wall of a hose takes the compliance that its fluid leaves.
-
-    Raises
-    ------
-    CaseError
-        If an end stays open, two tanks are joined, or nothing holds fluid between elements.
     """
     parts = circuit.parts
     tanks = [part for part in parts.values() if isinstance(part, Tank)]

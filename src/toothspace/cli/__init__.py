@@ -37,15 +37,12 @@ _STACK_WORDS = 2**16 + 1
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
+    0 done, 2 bad input, 3 numerical failure, 130 interrupted, 70 unexpected error. [-]
+
     Parameters
     ----------
     arguments : sequence of str or None
         Arguments without the program's name; None takes those of the process.
-
-    Returns
-    -------
-    int
-        0 done, 2 bad input, 3 numerical failure, 130 interrupted, 70 unexpected error. [-]
     """
     # what imports leave behind stays to the end: looking through it again and again is in vain
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)

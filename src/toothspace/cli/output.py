@@ -59,10 +59,7 @@ def code_of(status: Status) -> int:
 def read_quantity(option: str, text: str, unit: str) -> float:
     """Return the quantity of an option. [SI unit].
 
-    Raises
-    ------
-    CaseError
-        If it is no number with a unit of that dimension.
+    Raises CaseError if it is no number with a unit of that dimension.
     """
     from toothspace.core.units import parse_quantity
 

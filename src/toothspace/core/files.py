@@ -65,17 +65,14 @@ def draft_of(target: str | Path) -> Iterator[Path]:
 def path_of(given: object, name: str, allowed: str) -> Path:
     """Return a text or path as a path.
 
+    Raises CaseError if it is anything else.
+
     Parameters
     ----------
     name : str
         What it is the path of, for messages.
     allowed : str
         What may be given, for messages.
-
-    Raises
-    ------
-    CaseError
-        If it is anything else.
     """
     if not isinstance(given, (str, os.PathLike)):
         raise CaseError(name, reprlib.repr(given), allowed)
@@ -85,6 +82,8 @@ def path_of(given: object, name: str, allowed: str) -> Path:
 def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
     """Return the content of an ordinary file, neither a folder, a pipe nor a device.
 
+    Raises CaseError if it is missing, no ordinary file, larger or unreadable.
+
     Parameters
     ----------
     label : str
@@ -93,11 +92,6 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
         What it should be, for messages.
     most : int
         Largest size. [byte]
-
-    Raises
-    ------
-    CaseError
-        If it is missing, no ordinary file, larger or unreadable.
     """
     try:
         if not path.is_file() and path.exists():
@@ -160,10 +154,7 @@ def write_whole(file: FileIO, content: memoryview | bytes) -> None:
 def require_ending(target: Path, label: str, endings: tuple[str, ...]) -> None:
     """Refuse a file name whose ending promises another format than what is written.
 
-    Raises
-    ------
-    CaseError
-        If its ending is none of those given.
+    Raises CaseError if its ending is none of those given.
     """
     if target.suffix.lower() not in endings:
         found = f"the ending {target.suffix!r}" if target.suffix else "a name without ending"
@@ -172,6 +163,9 @@ def require_ending(target: Path, label: str, endings: tuple[str, ...]) -> None:
 
 def require_writable(target: Path, option: str, *, replace: bool, endings: tuple[str, ...]) -> Path:
     """Return a file that can be written; nothing is left behind.
+
+    Raises CaseError if it is a folder, its folder is missing or refuses files, its name is too
+    long, it exists and must be kept, or it has another ending.
 
     Parameters
     ----------
@@ -183,12 +177,6 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
         Whether a file that exists may be replaced.
     endings : tuple of str
         Endings of the formats that are written, as ``.nc``.
-
-    Raises
-    ------
-    CaseError
-        If it is a folder, its folder is missing or refuses files, its name is too long, it
-        exists and must be kept, or it has another ending.
     """
     try:
         if target.is_dir():

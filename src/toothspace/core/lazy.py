@@ -70,17 +70,14 @@ class LazyMapping(Mapping[str, object]):
 def package_of_extra(name: str, extra: str, use: str) -> Any:
     """Import a package that the lean installation leaves out.
 
+    Raises GeometryError if it is missing: how to install it.
+
     Parameters
     ----------
     extra : str
         Extra that brings it.
     use : str
         What asks for it, to begin the message.
-
-    Raises
-    ------
-    GeometryError
-        If it is missing: how to install it.
     """
     try:
         return import_module(name)

@@ -44,15 +44,12 @@ _WRITE_LOCK = RLock()
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset to one NetCDF file that is complete or not there; returns its path.
 
+    Raises OSError if the file cannot be written whole, as on a full disk.
+
     Parameters
     ----------
     path : str or Path
         File to create or replace; its folder is made if it is missing.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written whole, as on a full disk.
     """
     target = path_of(path, "result", "a file to write")
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -76,17 +73,14 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
 def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset:
     """Read a NetCDF file into memory, labels as text.
 
+    Raises CaseError if the file cannot be read as NetCDF, or is not as it was written.
+
     Parameters
     ----------
     path : str or Path
         The file.
     allowed : str
         What the file should be, for messages.
-
-    Raises
-    ------
-    CaseError
-        If the file cannot be read as NetCDF, or is not as it was written.
     """
     import xarray as xr
 

@@ -64,10 +64,7 @@ def machine_type_names() -> list[str]:
 def machine_type(name: str) -> Any:
     """Return the machine type of a name.
 
-    Raises
-    ------
-    CaseError
-        If no installed package provides it.
+    Raises CaseError if no installed package provides it.
     """
     modules = machine_modules()
     if name in modules:

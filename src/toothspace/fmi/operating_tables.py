@@ -89,6 +89,10 @@ def tables_of(
 ) -> xr.Dataset:
     """Tables of a machine from its runs.
 
+    Mean values over ``shaft_speed`` and ``pressure_difference``, ripple also over ``shaft_angle``
+    of one period: a tooth pitch, or a turn where the teeth differ. ``ripple_left_out`` is what the
+    mean tooth leaves out of the ripple, root mean square. [-]
+
     Parameters
     ----------
     records : sequence of Record
@@ -97,13 +101,6 @@ def tables_of(
         Pressure differences [Pa] and shaft speeds [rad/s].
     teeth : int
         Periods that a turn of the shaft has if all teeth are alike. [-]
-
-    Returns
-    -------
-    xarray.Dataset
-        Mean values over ``shaft_speed`` and ``pressure_difference``, ripple also over
-        ``shaft_angle`` of one period: a tooth pitch, or a turn where the teeth differ.
-        ``ripple_left_out`` is what the mean tooth leaves out of the ripple, root mean square. [-]
     """
     import xarray as xr
 

@@ -165,15 +165,12 @@ _LEAST_RANGE = 1.0
 def flank_deviation(fits: Mapping[str, InvoluteFit]) -> Figure:
     """Deviation of both flanks of every gear over the roll length, excess material to the right.
 
+    One row for each gear, root below, tip above.
+
     Parameters
     ----------
     fits : mapping
         Fit of each gear by its name.
-
-    Returns
-    -------
-    Figure
-        One row for each gear, root below, tip above.
     """
     figure = new_figure(7.2, 0.8 + 3.2 * len(fits))
     rows = np.reshape(figure.subplots(len(fits), 2, sharey="row", sharex="row"), (-1, 2))
@@ -209,15 +206,12 @@ def opening_area(
 ) -> Array:
     """Open area between one chamber and all paths of a category.
 
+    Area; zero where nothing is open. [m2]
+
     Parameters
     ----------
     angle : ndarray
         Table angle of the chamber. [rad]
-
-    Returns
-    -------
-    ndarray
-        Area; zero where nothing is open. [m2]
     """
     names = [other.name for other in description.families]
     first = sum(other.count for other in description.families[: names.index(family.name)])

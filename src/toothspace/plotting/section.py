@@ -37,17 +37,14 @@ def turned_section(description: MachineDescription, body: Body, shaft_angle: flo
 def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[Any]:
     """Fluid of the chambers as polygons in the order of the chambers.
 
+    Areas that they fill. [m]
+
     Parameters
     ----------
     description : MachineDescription
         Machine with outlines of its chambers.
     shaft_angle : float
         Shaft angle. [rad]
-
-    Returns
-    -------
-    list of shapely geometry
-        Areas that they fill. [m]
     """
     assert description.chamber_outlines is not None
     return list(enclosed(description.chamber_outlines(shaft_angle)))
@@ -81,17 +78,14 @@ def gear_section(
 ) -> Figure:
     """Section of a machine with the pressures of its chambers as colour.
 
+    One panel per angle.
+
     Parameters
     ----------
     description : MachineDescription
         The machine that it belongs to.
     fractions : sequence of float
         Where within one tooth pitch to look, from 0 to 1. [-]
-
-    Returns
-    -------
-    Figure
-        One panel per angle.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize

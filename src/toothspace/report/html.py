@@ -100,6 +100,8 @@ def write_report(
 ) -> Path:
     """Write the report of a result; returns its path.
 
+    Raises CaseError if the file has another ending.
+
     Parameters
     ----------
     solution : Solution
@@ -112,11 +114,6 @@ def write_report(
     measured : mapping, optional
         ``time`` [s] and measured ``shaft_speed`` [rad/s] or ``pressure_difference`` [Pa], laid
         over a run over time.
-
-    Raises
-    ------
-    CaseError
-        If the file has another ending.
     """
     target = path_of(path, "report", "a file to write")
     require_ending(target, "report", ENDINGS)
@@ -330,15 +327,12 @@ _DRAWN_ERROR = 1.5e-5  # what drawn outlines may deviate [m]
 def turning_section(solution: Solution, description: MachineDescription) -> str:
     """Section through the machine over one tooth pitch, with a slider for the shaft angle.
 
+    HTML with the picture and its script; pointing at an area shows its pressure.
+
     Parameters
     ----------
     description : MachineDescription
         Machine that it belongs to, with outlines of its chambers.
-
-    Returns
-    -------
-    str
-        HTML with the picture and its script; pointing at an area shows its pressure.
     """
     from toothspace.report.page import render
 

@@ -90,18 +90,15 @@ def with_warnings(
 def with_interval(solution: Solution, drawn: Solution) -> Solution:
     """Solution that says how far it moves with the flanks of the file.
 
+    With every number of the second run among the statistics, as ``as_drawn_...``, and a warning
+    with those that a reader looks at first.
+
     Parameters
     ----------
     solution : Solution
         Result with what was fitted to the file.
     drawn : Solution
         The same run with what the file holds.
-
-    Returns
-    -------
-    Solution
-        With every number of the second run among the statistics, as ``as_drawn_...``, and a
-        warning with those that a reader looks at first.
     """
     fitted, other = (
         {k: v for k, v in one.summary().items() if isinstance(v, float) and math.isfinite(v)}

@@ -51,10 +51,7 @@ def write_result(
 ) -> Path:
     """Write a result to one NetCDF file, atomically; an existing one is replaced.
 
-    Returns
-    -------
-    Path
-        The file written.
+    The file written.
     """
     columns = dict(zip(_EVENT_FIELDS, zip(*events, strict=True), strict=False))
     event_data = dataset_from({name: np.asarray(values) for name, values in columns.items()}, {})
@@ -131,16 +128,13 @@ def save_tables(description: MachineDescription, path: str | Path) -> Path:
 def save_tables_txt(description: MachineDescription, folder: str | Path) -> list[Path]:
     """Write one plain text file per chamber family, path and contact, and one per outline.
 
+    The files written. Columns are separated by blanks; lines starting with ``#`` say what they are
+    and in which unit.
+
     Parameters
     ----------
     folder : str or Path
         Folder to write to; made if it is missing.
-
-    Returns
-    -------
-    list of Path
-        The files written. Columns are separated by blanks; lines starting with ``#`` say
-        what they are and in which unit.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)

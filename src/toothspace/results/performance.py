@@ -245,15 +245,12 @@ def mean_loaded_contacts(data: xr.Dataset) -> float:
 def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
     """Mean over the samples of a variable with one label dimension, by label.
 
+    Mean by label, empty if the result lacks the variable. [unit of the variable]
+
     Parameters
     ----------
     name : str
         Variable such as ``leakage`` or ``torque_loss``.
-
-    Returns
-    -------
-    mapping
-        Mean by label, empty if the result lacks the variable. [unit of the variable]
     """
     if name not in data:
         return {}

@@ -353,20 +353,17 @@ _AT_PLATEAU = 1.0 - 1e-9
 def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
     """Numbers of a start from rest, NaN where the shaft never moved or did not start at rest.
 
+    ``startup_pressure_bar``: largest pressure difference until the shaft has turned one tooth
+    pitch. ``max_running_pressure_bar``: largest moving mean over one pitch, from one second after
+    breakaway until the supply slows down. ``startup_pressure_ratio``: one over the other.
+    ``breakaway_time_s`` and ``breakaway_pressure_bar``: when the shaft begins to turn.
+    ``settled_pressure_bar``: mean over the last fifth of running, and ``startup_to_settled_ratio``
+    with it, which swings after the start do not touch.
+
     Parameters
     ----------
     breakaway : float
         When the shaft begins to turn, NaN if it never does. [s]
-
-    Returns
-    -------
-    dict
-        ``startup_pressure_bar``: largest pressure difference until the shaft has turned one
-        tooth pitch. ``max_running_pressure_bar``: largest moving mean over one pitch, from one
-        second after breakaway until the supply slows down. ``startup_pressure_ratio``: one over
-        the other. ``breakaway_time_s`` and ``breakaway_pressure_bar``: when the shaft begins to
-        turn. ``settled_pressure_bar``: mean over the last fifth of running, and
-        ``startup_to_settled_ratio`` with it, which swings after the start do not touch.
     """
     angle = np.asarray(data["shaft_angle"])
     highest = np.asarray(data["pressure_difference_highest"])
@@ -432,17 +429,14 @@ def tooth_pitch(data: xr.Dataset) -> float:
 def moving_mean(time: Array, angle: Array, signal: Array, window: float) -> tuple[Array, Array]:
     """Mean over time of a signal while the shaft turns by a window.
 
+    End of each window that fits in [s], and the mean over it.
+
     Parameters
     ----------
     time, angle, signal : ndarray, shape (rows,)
         Time [s], growing shaft angle [rad] and signal.
     window : float
         Angle of the window. [rad]
-
-    Returns
-    -------
-    time, mean : ndarray
-        End of each window that fits in [s], and the mean over it.
     """
     whole = np.concatenate([[0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * np.diff(time))])
     growing = np.maximum.accumulate(angle)

@@ -231,10 +231,7 @@ LABEL_DIMENSIONS: Mapping[str, str] = {
 def variable(name: str) -> Variable:
     """Look up a result variable.
 
-    Raises
-    ------
-    KeyError
-        If the name is not in the table.
+    Raises KeyError if the name is not in the table.
     """
     if name not in VARIABLES:
         raise KeyError(f"unknown result variable '{name}'; add it to results/variables.py")

@@ -25,10 +25,7 @@ _BEYOND_BREAKAWAY = 1.5
 def fluid_keys(case: Case) -> FluidChoice:
     """``[fluid]`` of a case.
 
-    Raises
-    ------
-    CaseError
-        If it has none.
+    Raises CaseError if it has none.
     """
     if case.fluid is None:
         raise CaseError("fluid", "none", "a case with a [fluid] table")
@@ -79,6 +76,8 @@ def condition_of(
 ) -> OperatingCondition:
     """Condition of a case, of its operating point or of its circuit.
 
+    Raises CaseError if the case has neither.
+
     Parameters
     ----------
     case : Case
@@ -87,11 +86,6 @@ def condition_of(
         Its machine.
     fluid : FluidLaw, optional
         Its fluid, computed if not given.
-
-    Raises
-    ------
-    CaseError
-        If the case has neither.
     """
     law = fluid_of(case) if fluid is None else fluid
     if case.circuit is not None:

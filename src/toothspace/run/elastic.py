@@ -65,10 +65,7 @@ def lateral_settings(case: Case) -> LateralSettings:
 def require_floating_part(case: Case) -> None:
     """Refuse a machine without a floating part in balance before anything is computed.
 
-    Raises
-    ------
-    CaseError
-        If it has none, in the words of the machine type.
+    Raises CaseError if it has none, in the words of the machine type.
     """
     lacking = getattr(case.machine, "missing_floating_part", NO_FLOATING_PART)
     if lacking:

@@ -321,6 +321,8 @@ def heat_network(
 ) -> HeatNetwork:
     """Network of a machine at the mean powers and flows of a run.
 
+    Nodes: oil of the chambers, bodies, casing with bearing blocks, films, drain, outlet.
+
     Parameters
     ----------
     liquid : LiquidState
@@ -329,11 +331,6 @@ def heat_network(
         Temperature of the oil that enters. [K]
     settings : HeatSettings
         ``[heat]`` of the case.
-
-    Returns
-    -------
-    HeatNetwork
-        Nodes: oil of the chambers, bodies, casing with bearing blocks, films, drain, outlet.
 
     Notes
     -----

@@ -276,17 +276,14 @@ def interface_models(
 ) -> dict[str, str]:
     """Model of each interface in a run of a case.
 
+    Raises CaseError if the case chooses a model that its preset does not offer.
+
     Parameters
     ----------
     tables : tuple of str
         Interfaces whose films come from the tables of the case.
     rigid_mesh : bool
         Whether the machine offers a rigid mesh.
-
-    Raises
-    ------
-    CaseError
-        If the case chooses a model that its preset does not offer.
     """
     preset = case.run.preset
     models = {name: offered[0] for name, offered in preset.interfaces.items()}

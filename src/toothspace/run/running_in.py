@@ -88,10 +88,7 @@ class Tracks:
 def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:
     """Cut the casing at the break-in condition; taken from disk if it was computed before.
 
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted.
+    Raises KeyboardInterrupt if interrupted.
     """
     state = machine.running_in
     if state is None:

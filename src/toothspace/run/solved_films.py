@@ -53,6 +53,11 @@ def with_solved_films(
 ) -> MachineDescription:
     """Machine whose journal and lateral films follow from solved Reynolds equations.
 
+    The same machine with impedance maps of its journal films, and with the conductances of its
+    lateral films between chambers, relief grooves and shaft over the angle.
+
+    Raises CaseError if the machine type does not give the outlines of its faces.
+
     Parameters
     ----------
     description : MachineDescription
@@ -61,17 +66,6 @@ def with_solved_films(
         Condition and fluid with which bodies that move between covers find their places.
     models : mapping of str to str
         Model of each interface; those with ``reynolds`` are solved, the others stay.
-
-    Returns
-    -------
-    MachineDescription
-        The same machine with impedance maps of its journal films, and with the conductances of
-        its lateral films between chambers, relief grooves and shaft over the angle.
-
-    Raises
-    ------
-    CaseError
-        If the machine type does not give the outlines of its faces.
 
     Notes
     -----
@@ -219,19 +213,16 @@ def with_shared_films(
 ) -> MachineDescription:
     """Machine whose films at shared covers and round the rim follow from Reynolds equations.
 
+    The machine with more chambers: those of the rim film stand in the place of the one in closed
+    form. Unequal gaps of the covers enter one path with their cubes, and the drag of a body with
+    their inverse.
+
     Parameters
     ----------
     description : MachineDescription
         Machine with ``shared_faces``.
     solved : CoverFilms, optional
         Films of its covers, if they are known already.
-
-    Returns
-    -------
-    MachineDescription
-        The machine with more chambers: those of the rim film stand in the place of the one in
-        closed form. Unequal gaps of the covers enter one path with their cubes, and the drag of
-        a body with their inverse.
     """
     faces = description.shared_faces
     assert faces is not None

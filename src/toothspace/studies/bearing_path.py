@@ -422,10 +422,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 def asked_path(case: Case) -> BearingPathStudy:
     """Path of the study of a case, under any of its names.
 
-    Raises
-    ------
-    CaseError
-        If the case has another study.
+    Raises CaseError if the case has another study.
     """
     asked = getattr(case.study, "path", case.study)
     if not isinstance(asked, BearingPathStudy):
@@ -437,22 +434,17 @@ def asked_path(case: Case) -> BearingPathStudy:
 def solve_path(case: Case, context: StudyContext | None = None) -> LateralStudy:
     """Solve every point of ``[study]``, from the point before it or from the start gap.
 
+    Points in their order; conditions one after another, nose pressures rising within each.
+
+    Raises CaseError if the case has another study, no operating point, no floating bearing or no
+    nose.
+
     Parameters
     ----------
     case : Case
         Case with a path of a floating bearing and an operating point.
     context : StudyContext, optional
         Progress, and records of points that are finished.
-
-    Returns
-    -------
-    LateralStudy
-        Points in their order; conditions one after another, nose pressures rising within each.
-
-    Raises
-    ------
-    CaseError
-        If the case has another study, no operating point, no floating bearing or no nose.
 
     References
     ----------
@@ -511,16 +503,13 @@ def _map(case: Case, study: BearingPathStudy, context: StudyContext) -> StudyRes
 def read_positions(path: Path) -> tuple[Array, Array]:
     """Measured outlet pressures [Pa] and relative positions [m] in the order of their rows.
 
+    Raises CaseError if the file has other columns.
+
     Parameters
     ----------
     path : Path
         CSV file with the columns ``operating_point.outlet_pressure`` and
         ``relative_position_um``.
-
-    Raises
-    ------
-    CaseError
-        If the file has other columns.
     """
     found = read_measured(path)
     if found.times is not None or set(found.channels) != {_POSITION}:
@@ -589,18 +578,15 @@ _SPAN, _SAMPLES = 6.0, 481
 def friction_curves(contact: HousingContact, breakaway_force: float) -> xr.Dataset:
     """Smooth friction law over velocity, with other coefficients and other breakaway speeds.
 
+    Force [N] over ``friction_curve`` and ``bearing_velocity_mm_per_s``, and what the curves stand
+    for; empty for a bearing without friction.
+
     Parameters
     ----------
     contact : HousingContact
         Coefficient and breakaway speed of the study.
     breakaway_force : float
         Breakaway force at the point with the largest one. [N]
-
-    Returns
-    -------
-    xarray.Dataset
-        Force [N] over ``friction_curve`` and ``bearing_velocity_mm_per_s``, and what the curves
-        stand for; empty for a bearing without friction.
 
     References
     ----------

@@ -409,15 +409,12 @@ def follow(
 ) -> tuple[StoredPoint, ...]:
     """Solve points one after another, each from the equilibrium of the one before or anew.
 
+    After an interrupt by the user those that are finished.
+
     Parameters
     ----------
     start_gap : float
         Gap that the first one starts from, and every one that begins anew. [m]
-
-    Returns
-    -------
-    tuple of StoredPoint
-        After an interrupt by the user those that are finished.
     """
     found: list[StoredPoint] = []
     now: Array | float = start_gap

@@ -128,10 +128,7 @@ def map_records(
 
     The low-pressure side stays as in the case. After an interrupt the rest is ``interrupted``.
 
-    Raises
-    ------
-    CaseError
-        If every point is refused.
+    Raises CaseError if every point is refused.
     """
     operating, motor = operating_point_of(case), getattr(case.machine, "mode", "pump") == "motor"
     low = operating.outlet_pressure if motor else operating.inlet_pressure

@@ -76,17 +76,14 @@ class Signals:
 def read_measured(path: Path) -> Measured:
     """Read the measured columns of a calibration.
 
+    Raises CaseError if a column or a number is not understood.
+
     Parameters
     ----------
     path : Path
         CSV file with a header of ``name [unit]``. With a column ``time`` the others are signals of
         a result; without it every row is a steady point: columns with a dot in their name are
         keys of the case, the others summary numbers.
-
-    Raises
-    ------
-    CaseError
-        If a column or a number is not understood.
     """
     rows, head = read_rows(path), []
     for cell in rows[0] if rows else []:

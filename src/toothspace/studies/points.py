@@ -59,10 +59,7 @@ class Point:
 def operating_point_of(case: Case) -> OperatingPoint:
     """Return the operating point of the case of a steady study.
 
-    Raises
-    ------
-    CaseError
-        If it has none.
+    Raises CaseError if it has none.
     """
     if case.operating_point is None:
         found = "no [operating_point]"
@@ -106,15 +103,12 @@ def evaluate_points(
 ) -> list[Record]:
     """Evaluate points that have no record yet; every finished one is recorded at once.
 
+    In the order of the points.
+
     Parameters
     ----------
     evaluate : callable
         Function of a module that turns a case into numbers.
-
-    Returns
-    -------
-    list of Record
-        In the order of the points.
 
     Raises
     ------
@@ -160,10 +154,7 @@ def collected(
 ) -> list[Record]:
     """Return the records of evaluated points; after an interrupt, of those that are finished.
 
-    Raises
-    ------
-    CaseError
-        If every point is refused.
+    Raises CaseError if every point is refused.
     """
     if points and all(item.case is None for item in points):
         raise CaseError(points[0].message)

@@ -193,17 +193,14 @@ PERCENTILES = (5.0, 50.0, 95.0)
 def rank_correlations(inputs: Array, output: Array) -> Array:
     """Rank correlation of each input with the output (Spearman 1904). [-].
 
+    From -1 to 1, NaN where nothing changes, shape (keys,). [-]
+
     Parameters
     ----------
     inputs : ndarray, shape (points, keys)
         Values of the keys. [any]
     output : ndarray, shape (points,)
         Result; points without one (NaN) are left out. [any]
-
-    Returns
-    -------
-    ndarray, shape (keys,)
-        From -1 to 1, NaN where nothing changes. [-]
     """
     from scipy.stats import spearmanr
 
@@ -220,15 +217,12 @@ def rank_correlations(inputs: Array, output: Array) -> Array:
 def index_samples(base: Array) -> Array:
     """Return the points of Sobol indices (Saltelli et al. 2010). [-].
 
+    Sample A, sample B, then A with one column from B for each key, shape (count * (keys + 2). [-]
+
     Parameters
     ----------
     base : ndarray, shape (count, 2 * keys)
         Two independent samples of the unit cube beside each other. [-]
-
-    Returns
-    -------
-    ndarray, shape (count * (keys + 2), keys)
-        Sample A, sample B, then A with one column from B for each key. [-]
     """
     keys = base.shape[1] // 2
     first, second = base[:, :keys], base[:, keys:]
@@ -243,6 +237,8 @@ def index_samples(base: Array) -> Array:
 def sobol_indices(output: Array, keys: int) -> tuple[Array, Array]:
     r"""Share of the variance that each key causes alone, and with its interactions. [-].
 
+    First-order and total indices, shape (keys,). [-]
+
     Parameters
     ----------
     output : ndarray
@@ -250,11 +246,6 @@ def sobol_indices(output: Array, keys: int) -> tuple[Array, Array]:
         out. [any]
     keys : int
         Number of keys. [-]
-
-    Returns
-    -------
-    tuple of ndarray, shape (keys,)
-        First-order and total indices. [-]
 
     Notes
     -----

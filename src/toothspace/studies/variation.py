@@ -144,6 +144,8 @@ class Axis:
 def axes_of(vary: Mapping[str, Any], label: str) -> tuple[Axis, ...]:
     """Read the varied keys of a study.
 
+    Raises CaseError if units do not fit together or limits are the wrong way round.
+
     Parameters
     ----------
     vary : mapping of key path to values
@@ -151,11 +153,6 @@ def axes_of(vary: Mapping[str, Any], label: str) -> tuple[Axis, ...]:
         ``{mean, deviation}`` (normal, cut at ``from`` and ``to`` if they are given).
     label : str
         Name of the case file in messages.
-
-    Raises
-    ------
-    CaseError
-        If units do not fit together or limits are the wrong way round.
     """
     return tuple(_axis(path, given, f"{label}: study.vary.{path}") for path, given in vary.items())
 

@@ -50,10 +50,8 @@ class Workers:
 
         A call whose workers of a cluster die gives a :class:`WorkerLostError` as its result.
 
-        Raises
-        ------
-        ToothspaceError
-            If a process died, the scheduler is lost, or a worker has other sources.
+        Raises ToothspaceError if a process died, the scheduler is lost, or a worker has other
+        sources.
         """
         if self.count <= 1 and not self.scheduler:
             yield from ((k, function(argument)) for k, argument in enumerate(arguments))

@@ -85,10 +85,8 @@ class CrescentAssembly(MeshedGears):
 def assemble(spec: CrescentParameters) -> CrescentAssembly:
     """Put the gears of a machine into mesh.
 
-    Raises
-    ------
-    GeometryError
-        If a gear cannot be built, or the gears do not reach one another or overlap.
+    Raises GeometryError if a gear cannot be built, or the gears do not reach one another or
+    overlap.
     """
     if (spec.pinion.profile is None) != (spec.ring.profile is None):
         raise GeometryError(
@@ -150,10 +148,7 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
 def involute_pair(spec: CrescentParameters) -> InternalPair:
     """Involute gears of a machine whose gears are given by parameters.
 
-    Raises
-    ------
-    GeometryError
-        If a tooth or the mesh is impossible.
+    Raises GeometryError if a tooth or the mesh is impossible.
     """
     pinion, ring = spec.pinion, spec.ring
     gear = pinion.involute_gear("machine.pinion")

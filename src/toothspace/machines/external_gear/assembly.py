@@ -72,10 +72,7 @@ class Assembly(meshing.MeshedGears):
 def assemble(spec: ExternalGearSpec) -> Assembly:
     """Put the gears of a machine into mesh.
 
-    Raises
-    ------
-    GeometryError
-        If the gears do not reach one another or overlap.
+    Raises GeometryError if the gears do not reach one another or overlap.
     """
     profiles = _profile(spec.drive), _profile(spec.driven)
     drive, driven = spec.drive.tooth, spec.driven.tooth

@@ -42,17 +42,14 @@ from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Path]:
     """Write the sections of both gears, or of one if they are equal; returns their paths.
 
+    Raises GeometryError if a tooth cannot be built or the format needs a package that is missing.
+
     Parameters
     ----------
     stem : Path
         Folder and begin of the file names; ``_drive`` and ``_driven`` follow.
     suffix : str
         ``txt``, ``dxf``, ``stl`` or ``step``.
-
-    Raises
-    ------
-    GeometryError
-        If a tooth cannot be built or the format needs a package that is missing.
     """
     gears = {"drive": spec.drive}
     if spec.driven is not spec.drive:
@@ -101,10 +98,7 @@ def draft_case(
 
     Arguments are those of :func:`toothspace.api.draft_case`.
 
-    Returns
-    -------
-    CaseDraft or None
-        What was measured, and what is assumed because files do not hold it; None without gears.
+    What was measured, and what is assumed because files do not hold it; None without gears.
     """
     scale = to_si(1.0, unit)
     try:

@@ -32,10 +32,7 @@ def flow_paths(
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
-    Returns
-    -------
-    tuple of FlowPath
-        Flanks, then per gear tips, ports, grooves, lateral and drain gaps.
+    Flanks, then per gear tips, ports, grooves, lateral and drain gaps.
     """
     spec, lateral = assembly.spec, assembly.spec.keys.lateral
     gears = spec.drive, spec.driven
@@ -135,17 +132,11 @@ class Bore:
 def bore(assembly: Assembly, gear: int) -> Bore:
     """Bore round the drive gear (0) or the driven gear (1).
 
-    Returns
-    -------
-    Bore
-        From clearance and angles, or from the contour where one is given: the bore reaches from
-        the point opposite to the mesh as far as the contour stays within three clearances of
-        the tip circle.
+    From clearance and angles, or from the contour where one is given: the bore reaches from the
+    point opposite to the mesh as far as the contour stays within three clearances of the tip
+    circle.
 
-    Raises
-    ------
-    GeometryError
-        If a contour does not surround the gear or leaves no sealing bore.
+    Raises GeometryError if a contour does not surround the gear or leaves no sealing bore.
     """
     casing = assembly.spec.keys.casing
     places = 2.0 * np.pi * np.arange(_RAYS) / _RAYS

@@ -267,18 +267,15 @@ class FaceOfGear:
     def flank_nodes(self, shaft_angle: float, radius: Array) -> IntArray:
         """Nodes of the chambers along all flanks, shape (spaces, 2, radii).
 
+        For the spaces after each tooth, counter-clockwise in the frame of the own gear, on the left
+        flank of the tooth before and the right one of the tooth after.
+
         Parameters
         ----------
         shaft_angle : float
             Shaft angle. [rad]
         radius : ndarray
             Places on the flanks. [m]
-
-        Returns
-        -------
-        ndarray
-            For the spaces after each tooth, counter-clockwise in the frame of the own gear, on
-            the left flank of the tooth before and the right one of the tooth after.
         """
         profile = self.own.profile
         edges = [np.interp(radius, *self.own.flank(side)) for side in (0, 1)]

@@ -38,10 +38,7 @@ class ExternalGearParameters(ExternalGearTables):
     def assemble(self) -> ExternalGearSpec:
         """Build profiles and contours: :class:`ExternalGearSpec`.
 
-        Raises
-        ------
-        CaseError
-            If a file, a material or the geometry of a tooth is impossible.
+        Raises CaseError if a file, a material or the geometry of a tooth is impossible.
         """
         return spec_from(self)
 
@@ -53,10 +50,7 @@ PARAMETERS = ExternalGearParameters
 def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
     """Build profiles, contours and materials of a machine.
 
-    Returns
-    -------
-    ExternalGearSpec
-        Everything that the machine type needs.
+    Everything that the machine type needs.
 
     Raises
     ------
@@ -248,17 +242,14 @@ _COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
 def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:
     """Torque of the seal; with a table the bilinear force at its condition times the radius. [N m].
 
+    Raises CaseError if the table is no full grid, or the condition lies outside it.
+
     Parameters
     ----------
     seals : SealParameters or None
         Keys of ``[machine.seals]``.
     shaft_diameter : float
         Diameter under the lip. [m]
-
-    Raises
-    ------
-    CaseError
-        If the table is no full grid, or the condition lies outside it.
 
     Notes
     -----

@@ -50,15 +50,9 @@ class _Source(NamedTuple):
 def detected_gear(gear: GearParameters, file: Path | Points, table: str) -> FoundGear:
     """Gear in the profile file of a table.
 
-    Returns
-    -------
-    FoundGear
-        The largest gear that the keys leave.
+    The largest gear that the keys leave.
 
-    Raises
-    ------
-    CaseError
-        If the file holds no gear, or one with another tooth count.
+    Raises CaseError if the file holds no gear, or one with another tooth count.
     """
     request = SectionRequest(
         gear.profile_axis, gear.profile_plane, gear.profile_body, gear.profile_part
@@ -128,10 +122,7 @@ def _fits(machine: ExternalGearTables, gear: GearParameters, profile: GearProfil
 def distance_in_file(machine: ExternalGearTables, drive: Gear, driven: Gear) -> float:
     """Distance of two gears that were drawn in one frame, where the case gives none. [m].
 
-    Raises
-    ------
-    CaseError
-        If the case names neither a distance nor the second gear.
+    Raises CaseError if the case names neither a distance nor the second gear.
     """
     other = machine.driven_gear and machine.driven_gear.profile
     one_frame = machine.outlet_toward is not None or other in (None, machine.gears.profile)

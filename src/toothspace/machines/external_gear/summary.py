@@ -50,15 +50,12 @@ def geometry_summary(
 ) -> dict[str, object]:
     """Numbers of the geometry report.
 
+    Values by name; names carry their unit.
+
     Parameters
     ----------
     checks : sequence of DesignCheck
         Design-rule report, whose failures are named.
-
-    Returns
-    -------
-    dict
-        Values by name; names carry their unit.
     """
     pair, distance = assembly.pair, assembly.mesh.center_distance
     if pair is None:
@@ -128,10 +125,7 @@ def undercut_of(gear: Gear) -> bool:
 def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
     """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
 
-    Returns
-    -------
-    tuple of float
-        Trapped volume and dead volume, which the mesh carries back. [m3]
+    Trapped volume and dead volume, which the mesh carries back. [m3]
     """
     drive, driven = spaces
     mesh, width = assembly.mesh, assembly.face_width
@@ -151,11 +145,8 @@ def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[
 def profile_quality(assembly: Assembly) -> dict[str, object]:
     """Form error of profiles from files and its effect; nothing for generated gears.
 
-    Returns
-    -------
-    dict
-        Form error, chord height and residual of the worse gear; contact ratio with rigid flanks as
-        drawn, which form error shortens, and the change of the trapped volume that belongs to it.
+    Form error, chord height and residual of the worse gear; contact ratio with rigid flanks as
+    drawn, which form error shortens, and the change of the trapped volume that belongs to it.
     """
     gears = _from_files(assembly)
     if not gears:

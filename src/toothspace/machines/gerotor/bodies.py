@@ -108,10 +108,7 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[LumpedJournalBearin
 def film_by_motion(parameters: GerotorParameters, pocket: Pockets) -> Array:
     r"""Derivative of the film volume that each pocket feeds, by the motions of both rotors.
 
-    Returns
-    -------
-    ndarray, shape (n, 5)
-        In the order of ``area_by_motion``, over the place of the pocket. [m2], [m3/rad]
+    In the order of ``area_by_motion``, over the place of the pocket, shape (n, 5). [m2], [m3/rad]
 
     Notes
     -----

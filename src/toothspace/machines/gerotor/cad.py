@@ -33,6 +33,11 @@ _CIRCLE_POINTS = 360
 def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Path]:
     """Write the sections of both rotors, with their clearance, as in the machine.
 
+    Files written.
+
+    Raises GeometryError if the rotors cannot be built or the format needs a package that is
+    missing.
+
     Parameters
     ----------
     stem : Path
@@ -40,16 +45,6 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
     suffix : str
         ``txt`` (the toothed curves alone, and ``_contacts`` with the table of lobe contacts),
         ``dxf``, ``stl`` or ``step``.
-
-    Returns
-    -------
-    list of Path
-        Files written.
-
-    Raises
-    ------
-    GeometryError
-        If the rotors cannot be built or the format needs a package that is missing.
     """
     rotors = rotors_from(spec.rotors)
     turns = 2.0 * np.pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
@@ -81,10 +76,7 @@ def draft_case(
 
     Arguments are those of :func:`toothspace.api.draft_case`.
 
-    Returns
-    -------
-    CaseDraft or None
-        What was measured, and what is assumed because files do not hold it; None without rotors.
+    What was measured, and what is assumed because files do not hold it; None without rotors.
     """
     for inner_file, outer_file in product(files, repeat=2):
         try:

@@ -91,15 +91,12 @@ class LobeContact:
     def second_derivatives(self, eccentricity: float) -> Array:
         """By tangential shift twice, shift and rotation, rotation of the outer rotor twice.
 
+        Shape (nodes, 3), nought where the contact does not exist. [1/m], [-], [m]
+
         Parameters
         ----------
         eccentricity : float
             Distance of the axes, which gives the scale. [m]
-
-        Returns
-        -------
-        ndarray
-            Shape (nodes, 3), nought where the contact does not exist. [1/m], [-], [m]
         """
         inner = 1.0 / self.radius_inner
         relative = np.maximum(inner + 1.0 / self.radius_outer, 1.0 / (_FLATTEST * eccentricity))
@@ -111,22 +108,16 @@ class LobeContact:
 def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
     """Find all contacts of two rotors.
 
+    The longest living kind first.
+
+    Raises GeometryError if the outlines are so rough that every bump makes a contact of its own.
+
     Parameters
     ----------
     rotors : Rotors
         Rotors at nominal position.
     nodes : int
         Angles per pitch of the outer rotor.
-
-    Returns
-    -------
-    tuple of LobeContact
-        The longest living kind first.
-
-    Raises
-    ------
-    GeometryError
-        If the outlines are so rough that every bump makes a contact of its own.
     """
     closest = closest_places(rotors, nodes, _FOLLOWED * rotors.eccentricity)
     found = branches(closest, linked(rotors, closest, nodes), nodes)
@@ -354,17 +345,14 @@ def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
 def nearest_place(rotors: Rotors, angle: Array, place: Array, step: float) -> Array:
     """Place on the outer outline where the distance is least.
 
+    Arc lengths on the outer outline, found by halving on the sign of the slope. [m]
+
     Parameters
     ----------
     angle, place : ndarray
         Angles of the outer rotor [rad] and arc lengths on its outline to begin with. [m]
     step : float
         The least distance is looked for within one step on either side. [m]
-
-    Returns
-    -------
-    ndarray
-        Arc lengths on the outer outline, found by halving on the sign of the slope. [m]
     """
     low, high = place - step, place + step
     for _ in range(_BISECTIONS):

@@ -86,15 +86,9 @@ class Pockets:
 def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
     """Tabulate the pockets over one turn of the outer rotor.
 
-    Returns
-    -------
-    Pockets
-        Throats, areas and their rates.
+    Throats, areas and their rates.
 
-    Raises
-    ------
-    GeometryError
-        If profiles from files overlap.
+    Raises GeometryError if profiles from files overlap.
     """
     per_pitch = 2 * max(round(0.5 * nodes / rotors.outer_tooth_count), 4)
     count = per_pitch * rotors.outer_tooth_count
@@ -137,11 +131,8 @@ def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: A
 def area_by_motion(pocket: Pockets) -> Array:
     """Derivative of the pocket area with respect to rigid motions of both rotors.
 
-    Returns
-    -------
-    ndarray, shape (n, 5)
-        By x and y of the inner rotor, by x, y and rotation of the outer rotor. Times the
-        pressure and the width it is the force of the pocket. [m], [m2/rad]
+    By x and y of the inner rotor, by x, y and rotation of the outer rotor. Times the pressure and
+    the width it is the force of the pocket, shape (n, 5). [m], [m2/rad]
     """
     behind, ahead = pocket.behind(pocket.path.point), pocket.ahead(pocket.path.point)
     chord = ahead - behind
@@ -184,17 +175,14 @@ class LobePath:
 def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> LobePath:
     """Find the throats of one lobe at given places.
 
+    Throats; those of generated pairs lie on the path of contact.
+
     Parameters
     ----------
     parameters : RotorParameters
         Design; generated pairs have exact contact points.
     place : ndarray
         Places of the lobe. [rad]
-
-    Returns
-    -------
-    LobePath
-        Throats; those of generated pairs lie on the path of contact.
     """
     if parameters.kind == "trochoidal":
         design = trochoid_of(parameters)

@@ -45,11 +45,8 @@ def throat_place(pocket: Pockets) -> Array:
 def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
     """Half angles of the lands that cut a pocket from one port when it opens to the other.
 
-    Returns
-    -------
-    tuple of float
-        At the largest and at the smallest pocket: places of the throats of the pocket that
-        stands there. [rad]
+    At the largest and at the smallest pocket: places of the throats of the pocket that stands
+    there. [rad]
     """
     throat, half = throat_place(pocket), pocket.half_pitch_nodes
     opposite = pocket.place.size // 2
@@ -59,6 +56,11 @@ def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
 def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: float) -> Ports:
     """Kidneys of a case.
 
+    Both kidneys, and the radial slots.
+
+    Raises GeometryError if the radii enclose nothing or a contour file has not exactly one polygon
+    per side.
+
     Parameters
     ----------
     parameters : PortContourParameters
@@ -66,16 +68,6 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
         floor of the outer rotor's cavities.
     rim_radius : float
         Radius of the outer rotor. [m]
-
-    Returns
-    -------
-    Ports
-        Both kidneys, and the radial slots.
-
-    Raises
-    ------
-    GeometryError
-        If the radii enclose nothing or a contour file has not exactly one polygon per side.
     """
     lands = kinematic_lands(pocket)
     if parameters.land_max_half_angle is not None and parameters.land_min_half_angle is not None:
@@ -116,16 +108,13 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
 def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     """Opening of a pocket to a port.
 
+    Area [m2] and hydraulic diameter [m] over the place of the pocket, of kidney and radial slot
+    together, shape (n, 2).
+
     Parameters
     ----------
     port : str
         ``inlet`` or ``outlet``.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Area [m2] and hydraulic diameter [m] over the place of the pocket, of kidney and radial
-        slot together.
     """
     kidney = shapely.Polygon(ports.contours[port])
     shapely.prepare(kidney)
@@ -150,18 +139,15 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
 def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     """Opening of a cavity's slot to the window of a port in the bore.
 
+    Area [m2] and wetted length [m] over the place of the pocket; the slot stands in its middle,
+    shape (n, 2).
+
     Parameters
     ----------
     ports : Ports
         Kidneys, whose lands the windows share, and slot.
     port : str
         ``inlet`` or ``outlet``.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Area [m2] and wetted length [m] over the place of the pocket; the slot stands in its
-        middle.
     """
     half, width, length = ports.slot
     place = pocket.place if port == "inlet" else FULL_TURN - pocket.place
@@ -193,15 +179,12 @@ class PocketOutlines:
 def pocket_polygon(pocket: Pockets, node: float) -> Array:
     """Outline of a pocket at one node of its place, from throat to throat.
 
+    Closed polygon in the machine frame, shape (n, 2). [m]
+
     Parameters
     ----------
     node : float
         Number of the node; throats between two nodes are interpolated. [-]
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Closed polygon in the machine frame. [m]
     """
     rotors, size = pocket.rotors, pocket.place.size
     turn, ends = FULL_TURN * node / size, []
@@ -251,11 +234,8 @@ class Timing:
     def sealed_spans(self) -> list[slice]:
         """Runs of table nodes at which a pocket is open to neither port.
 
-        Returns
-        -------
-        list of slice
-            Runs in nodes counted from half a turn before the smallest pocket, so that none is
-            cut in two.
+        Runs in nodes counted from half a turn before the smallest pocket, so that none is cut in
+        two.
         """
         half = self.inlet.shape[0] // 2
         closed = (self.inlet[:, 0] < _CLOSED_AREA) & (self.outlet[:, 0] < _CLOSED_AREA)

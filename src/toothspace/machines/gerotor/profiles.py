@@ -194,17 +194,14 @@ def _found(key: str, value: float, relation: str, bound: float) -> GeometryError
 def inner_outline(design: Trochoid, points_per_tooth: int, offset: float) -> Array:
     """Outline of the inner rotor.
 
+    Closed counter-clockwise curve about the inner rotor's centre, shape (n, 2). [m]
+
     Parameters
     ----------
     points_per_tooth : int
         Points on one tooth.
     offset : float
         What the profile is set back along its normal. [m]
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Closed counter-clockwise curve about the inner rotor's centre. [m]
     """
     # chords of one sagitta: steps with the inverse square root of the curvature
     pitch = 2.0 * np.pi / design.tooth_count
@@ -228,17 +225,14 @@ def inner_outline(design: Trochoid, points_per_tooth: int, offset: float) -> Arr
 def outer_outline(design: Trochoid, points_per_lobe: int, offset: float) -> Array:
     """Inside of the outer rotor: lobe arcs joined by the arcs of the cavity floor.
 
+    Closed counter-clockwise curve about the outer rotor's centre, shape (n, 2). [m]
+
     Parameters
     ----------
     points_per_lobe : int
         Points on one lobe and cavity.
     offset : float
         What the profile is set back along its normal. [m]
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Closed counter-clockwise curve about the outer rotor's centre. [m]
     """
     distance, radius = design.generating_radius, design.lobe_radius - offset
     floor, half_pitch = design.cavity_radius + offset, np.pi / design.lobe_count
@@ -259,6 +253,9 @@ def outer_outline(design: Trochoid, points_per_lobe: int, offset: float) -> Arra
 def cycloid(tooth_count: int, rolling_radius: float, points_per_tooth: int) -> Array:
     r"""Closed curve of alternating epi- and hypocycloids.
 
+    Closed counter-clockwise curve; the middle of an epicycloid is on the negative y axis, shape (n,
+    2). [m]
+
     Parameters
     ----------
     tooth_count : int
@@ -267,12 +264,6 @@ def cycloid(tooth_count: int, rolling_radius: float, points_per_tooth: int) -> A
         Radius of the generating circle, half of the eccentricity. [m]
     points_per_tooth : int
         Points on one epicycloid and one hypocycloid together.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Closed counter-clockwise curve; the middle of an epicycloid is on the negative y
-        axis. [m]
 
     Notes
     -----
@@ -367,24 +358,18 @@ class Rotors:
 def rotors_from(parameters: RotorParameters, points_per_tooth: int = POINTS_PER_TOOTH) -> Rotors:
     """Build both rotors of a case.
 
+    Outlines with half of the tip clearance taken off each rotor by normal offset, so that the curve
+    in the middle of the gaps is the exact conjugate pair. Profiles from files are taken as drawn,
+    less half of ``tip_clearance`` each.
+
+    Raises GeometryError if the design undercuts or does not close, or a file holds no rotor.
+
     Parameters
     ----------
     parameters : RotorParameters
         Keys ``[machine.rotors]``.
     points_per_tooth : int
         Points on one tooth of a generated outline.
-
-    Returns
-    -------
-    Rotors
-        Outlines with half of the tip clearance taken off each rotor by normal offset, so that
-        the curve in the middle of the gaps is the exact conjugate pair. Profiles from files
-        are taken as drawn, less half of ``tip_clearance`` each.
-
-    Raises
-    ------
-    GeometryError
-        If the design undercuts or does not close, or a file holds no rotor.
     """
     count, half = parameters.inner_tooth_count, 0.5 * parameters.tip_clearance
     if parameters.kind == "trochoidal":
@@ -416,22 +401,16 @@ def trochoid_of(parameters: RotorParameters) -> Trochoid:
 def offset_outline(outline: Array, distance: float) -> Array:
     """Move a closed outline along its outward normal.
 
+    Closed counter-clockwise curve. [m]
+
+    Raises GeometryError if the offset does not leave one outline.
+
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Closed counter-clockwise curve. [m]
     distance : float
         Offset, positive outwards; loops that it would cut off are removed. [m]
-
-    Returns
-    -------
-    ndarray
-        Closed counter-clockwise curve. [m]
-
-    Raises
-    ------
-    GeometryError
-        If the offset does not leave one outline.
     """
     if distance == 0.0:
         return outline
@@ -456,17 +435,14 @@ def _refuse_offset(distance: float, left: str) -> NoReturn:
 def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParameters:
     """Keys of rotors from files with the tooth count, eccentricity and width found there.
 
+    Keys without defaults that stand for the files.
+
     Parameters
     ----------
     parameters : RotorParameters
         Keys ``[machine.rotors]`` with profiles.
     outer_diameter : float
         Outside diameter of the outer rotor, to check the unit of the files. [m]
-
-    Returns
-    -------
-    RotorParameters
-        Keys without defaults that stand for the files.
 
     Raises
     ------
@@ -516,6 +492,8 @@ def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     """Move a rotor outline to its centre and turn its farthest points to the negative y axis. [m].
 
+    Raises GeometryError if the outline has another number of teeth.
+
     Parameters
     ----------
     curve : ndarray, shape (n, 2)
@@ -524,11 +502,6 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
         Teeth or lobes that the outline must have.
     name : str
         File name for error messages.
-
-    Raises
-    ------
-    GeometryError
-        If the outline has another number of teeth.
     """
     outline, count = contour(curve), _POINTS_FOR_PHASE * tooth_count
     even = outline.point(outline.length * np.arange(count) / count)

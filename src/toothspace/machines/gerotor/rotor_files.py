@@ -136,22 +136,16 @@ def rotor_pair(
 ) -> tuple[DrawnRotor, DrawnRotor]:
     """Find the rotors of a gerotor set.
 
+    Inner rotor, and outer rotor with one tooth more.
+
+    Raises GeometryError if the files hold no such pair.
+
     Parameters
     ----------
     inner, outer : Path or Points
         Files or points of the rotors; both may be one assembly.
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
-
-    Returns
-    -------
-    tuple of DrawnRotor
-        Inner rotor, and outer rotor with one tooth more.
-
-    Raises
-    ------
-    GeometryError
-        If the files hold no such pair.
     """
     both = [
         _rotors(file, file.stat().st_mtime_ns if isinstance(file, Path) else 0, unit)

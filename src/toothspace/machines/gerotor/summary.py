@@ -47,17 +47,14 @@ def geometry_summary(
 ) -> dict[str, object]:
     """Numbers of the geometry report.
 
+    Values by name; names carry their unit.
+
     Parameters
     ----------
     contacts : tuple of ContactPair
         Contacts of the lobes.
     checks : sequence of DesignCheck
         Design-rule report, whose failures are named.
-
-    Returns
-    -------
-    dict
-        Values by name; names carry their unit.
     """
     width, rotors = parameters.rotors.face_width, pocket.rotors
     inner, outer = np.hypot(*rotors.inner.T) * 1e3, np.hypot(*rotors.outer.T) * 1e3

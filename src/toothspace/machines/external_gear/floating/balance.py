@@ -52,10 +52,7 @@ _SIDES: tuple[Side, ...] = ("floating", "solid")
 def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
     """Films beside the gears and the floating bearing.
 
-    Raises
-    ------
-    GeometryError
-        If high-pressure area and nose are larger than the back face.
+    Raises GeometryError if high-pressure area and nose are larger than the back face.
     """
     block = assembly.spec.floating_block
     assert block is not None
@@ -338,10 +335,8 @@ class ElasticAssembly:
     def __call__(self) -> Mapping[str, ElasticBody]:
         """Bearings ``floating`` and ``solid`` or their halves, and the gears by name.
 
-        Raises
-        ------
-        GeometryError
-            If a body has a shape that cannot be swept, or a half of a bearing a file.
+        Raises GeometryError if a body has a shape that cannot be swept, or a half of a bearing a
+        file.
         """
         made = {p.name: self._from_file(p.side, self._bearing(p), p.half) for p in self._parts()}
         for k, name in enumerate(BODIES):

@@ -201,17 +201,14 @@ class BackLoads:
 def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> ElasticBody:
     """Gear with its shaft stubs, floating.
 
+    Films ``floating`` (z > 0) and ``solid``; loads of
+    :func:`~toothspace.machines.external_gear.floating.elastic_bodies.flank_loads` and
+    ``journal_floating_x``... (force of a journal film).
+
     Parameters
     ----------
     gear : int
         0 for the drive gear, 1 for the driven gear.
-
-    Returns
-    -------
-    ElasticBody
-        Films ``floating`` (z > 0) and ``solid``; loads of
-        :func:`~toothspace.machines.external_gear.floating.elastic_bodies.flank_loads` and
-        ``journal_floating_x``... (force of a journal film).
     """
     size = size or MeshSize()
     spec, profile = assembly.spec, assembly.profiles[gear]
@@ -275,6 +272,10 @@ def bearing_body(
 ) -> ElasticBody:
     """Bearing block, bushing pair in one piece, pressure plate, or a half of one of them.
 
+    Film ``face``; loads of the back by their names; ``journal_drive_x``, ``journal_driven_y`` and
+    so on for the forces of the journal films on bodies longer than half a bearing, and
+    ``wall_drive_x``... for those of the housing that hold against them.
+
     Parameters
     ----------
     length : float
@@ -286,13 +287,6 @@ def bearing_body(
         Pressure regions, springs and seals of the back face.
     half : int, optional
         Gear beside the half of a split bearing; the whole bearing if not given.
-
-    Returns
-    -------
-    ElasticBody
-        Film ``face``; loads of the back by their names; ``journal_drive_x``,
-        ``journal_driven_y`` and so on for the forces of the journal films on bodies longer than
-        half a bearing, and ``wall_drive_x``... for those of the housing that hold against them.
     """
     size, back = size or MeshSize(), back or BackLoads()
     unit, section = assembly.profiles[0].tip_radius, bearing_section(assembly, half)
