@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
 from typing import Any, cast, final
 
 import numpy as np
@@ -14,6 +13,7 @@ import toothspace
 from toothspace.case import Case
 from toothspace.case.presets import ELASTIC
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.compilation.library import compiler_version
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
@@ -174,6 +174,6 @@ def provenance_of(case: Case) -> dict[str, str]:
         "preset": case.run.fidelity,
         "overrides": "\n".join(case.overrides),
         "python_version": platform.python_version(),
-        "numba_version": version("numba"),
+        "numba_version": compiler_version(),
         "numpy_version": np.__version__,
     }

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, final
 
 from toothspace.case import Case, OperatingPoint
-from toothspace.core.compilation.cache import digest_of_sources
+from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.progress import tell
