@@ -109,7 +109,27 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     else:
         stiffness, held = _supported(body, mesh, stiffness)
         work = flexibility(stiffness, mesh.nodes, loads, held)
-    return _evaluated(body, columns, work, rigid, (mass, center, len(mesh.elements)))
+    # from work per pressure coefficient to nodal values per nodal load
+    totals = (mass, center, len(mesh.elements))
+    count = columns.films.shape[1]
+    half = _solved(columns.gram, work[:count, :count])
+    compliance = _solved(columns.gram, half.T)
+    shapes = _solved(columns.gram, work[:count, count:])
+    names = [load.name for load in body.loads]
+    sizes = [len(matrix) for matrix in columns.gram]
+    return InfluenceMatrix(
+        body=body,
+        nodes=np.vstack([film.nodes for film in body.films]),
+        surface=np.repeat(np.arange(len(sizes)), sizes).astype(np.int64),
+        compliance=0.5 * (compliance + compliance.T),
+        load_cases=dict(zip(names, shapes.T, strict=True)),
+        resultants=dict(zip(names, np.asarray(columns.named.T @ rigid), strict=True)),
+        rigid_modes=_solved(columns.gram, np.asarray(columns.films.T @ rigid)),
+        mass=totals[0],
+        center_of_mass=totals[1],
+        element_count=totals[2],
+        error_estimate=float("nan"),
+    )
 
 
 def _columns(body: ElasticBody, mesh: SolidMesh) -> _Columns:
@@ -164,19 +184,9 @@ def _relieved(
     masses, rigid = inertia
     inert = masses[:, None] * rigid
     extended = sp.hstack([loads, sp.csc_matrix(inert)]).tocsc()
-    work = flexibility(stiffness, mesh.nodes, extended, _three_pins(mesh.nodes))
-    share = -np.linalg.solve(rigid.T @ inert, np.asarray(loads.T @ rigid).T)
-    count = loads.shape[1]
-    own, mixed, inner = work[:count, :count], work[:count, count:], work[count:, count:]
-    out = own + mixed @ share
-    out = out + share.T @ (mixed.T + inner @ share)
-    return np.asarray(0.5 * (out + out.T))
-
-
-def _three_pins(nodes: Array) -> IntArray:
-    """Six unknowns that hold a body without straining it."""
-    first = int(np.argmin(nodes.sum(axis=1)))
-    away = nodes - nodes[first]
+    # six unknowns that hold a body without straining it
+    first = int(np.argmin(mesh.nodes.sum(axis=1)))
+    away = mesh.nodes - mesh.nodes[first]
     second = int(np.argmax(np.linalg.norm(away, axis=1)))
     axis = away[second] / np.linalg.norm(away[second])
     third = int(np.argmax(np.linalg.norm(np.cross(away, axis), axis=1)))
@@ -185,7 +195,14 @@ def _three_pins(nodes: Array) -> IntArray:
     held = [3 * first, 3 * first + 1, 3 * first + 2]
     along = int(np.argmax(np.abs(axis)))
     held += [3 * second + k for k in range(3) if k != along]
-    return np.array([*held, 3 * third + int(np.argmax(np.abs(normal)))], dtype=np.int64)
+    held.append(3 * third + int(np.argmax(np.abs(normal))))
+    work = flexibility(stiffness, mesh.nodes, extended, np.array(held, dtype=np.int64))
+    share = -np.linalg.solve(rigid.T @ inert, np.asarray(loads.T @ rigid).T)
+    count = loads.shape[1]
+    own, mixed, inner = work[:count, :count], work[:count, count:], work[count:, count:]
+    out = own + mixed @ share
+    out = out + share.T @ (mixed.T + inner @ share)
+    return np.asarray(0.5 * (out + out.T))
 
 
 def _supported(
@@ -198,35 +215,6 @@ def _supported(
         stiffness = stiffness + support.springs(mesh)
         held.append(support.held(mesh))
     return stiffness.tocsr(), np.unique(np.concatenate(held)).astype(np.int64)
-
-
-def _evaluated(
-    body: ElasticBody,
-    columns: _Columns,
-    work: Array,
-    rigid: Array,
-    totals: tuple[float, Array, int],
-) -> InfluenceMatrix:
-    """From work per pressure coefficient to nodal values per nodal load."""
-    count = columns.films.shape[1]
-    half = _solved(columns.gram, work[:count, :count])
-    compliance = _solved(columns.gram, half.T)
-    shapes = _solved(columns.gram, work[:count, count:])
-    names = [load.name for load in body.loads]
-    sizes = [len(matrix) for matrix in columns.gram]
-    return InfluenceMatrix(
-        body=body,
-        nodes=np.vstack([film.nodes for film in body.films]),
-        surface=np.repeat(np.arange(len(sizes)), sizes).astype(np.int64),
-        compliance=0.5 * (compliance + compliance.T),
-        load_cases=dict(zip(names, shapes.T, strict=True)),
-        resultants=dict(zip(names, np.asarray(columns.named.T @ rigid), strict=True)),
-        rigid_modes=_solved(columns.gram, np.asarray(columns.films.T @ rigid)),
-        mass=totals[0],
-        center_of_mass=totals[1],
-        element_count=totals[2],
-        error_estimate=float("nan"),
-    )
 
 
 def _solved(gram: list[Array], values: Array) -> Array:

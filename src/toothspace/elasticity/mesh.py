@@ -100,7 +100,15 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
         raise GeometryError("elastic body", "no parts", "are one or more prisms")
     plane = triangulate([part.section for part in parts], edge_length)
     points, quads = _quadrilaterals(plane)
-    levels = _levels(parts, layer_height)
+    # layers between the ends of the parts, no higher than asked for
+    given = np.unique(np.round([v for p in parts for v in (p.bottom, p.top)], 9))
+    kept = given[np.concatenate([[True], np.diff(given) > _LEVEL_STEP])]
+    counts = [max(1, int(np.ceil(step / layer_height - 1e-9))) for step in np.diff(kept)]
+    pieces = [
+        np.linspace(low, high, count + 1)[:-1]
+        for low, high, count in zip(kept[:-1], kept[1:], counts, strict=True)
+    ]
+    levels = np.concatenate([*pieces, kept[-1:]])
     active = _active(parts, points[quads].mean(axis=1), 0.5 * (levels[1:] + levels[:-1]))
     count = len(points)
     layer, cell = np.nonzero(active)
@@ -124,17 +132,6 @@ def _quadrilaterals(plane: Triangulation) -> tuple[Array, IntArray]:
         np.column_stack([triangles[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(3)
     ]
     return nodes, np.vstack(quads).astype(np.int64)
-
-
-def _levels(parts: tuple[Prism, ...], height: float) -> Array:
-    given = np.unique(np.round([v for p in parts for v in (p.bottom, p.top)], 9))
-    kept = given[np.concatenate([[True], np.diff(given) > _LEVEL_STEP])]
-    counts = [max(1, int(np.ceil(step / height - 1e-9))) for step in np.diff(kept)]
-    pieces = [
-        np.linspace(low, high, count + 1)[:-1]
-        for low, high, count in zip(kept[:-1], kept[1:], counts, strict=True)
-    ]
-    return np.concatenate([*pieces, kept[-1:]])
 
 
 def _active(parts: tuple[Prism, ...], centres: Array, heights: Array) -> BoolArray:

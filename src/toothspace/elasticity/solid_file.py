@@ -64,7 +64,20 @@ class SolidFile:
             )
         with tempfile.TemporaryDirectory() as folder:
             text = self._meshed(program, Path(folder), scale * self.edge_length / _STEP_UNIT)
-        return _read(self.label, text)
+        # nodes and tetrahedra of a mesh file of version 2
+        lines = text.splitlines()
+        nodes = np.array([line.split() for line in _block(lines, "Nodes")], dtype=float)
+        rows = [line.split() for line in _block(lines, "Elements")]
+        solid = [row[-_NODES:] for row in rows if int(row[1]) == _TETRAHEDRON]
+        if not solid:
+            raise GeometryError(self.label, "no body", "is one closed solid")
+        number = np.full(int(nodes[:, 0].max()) + 1, -1, dtype=np.int64)
+        number[nodes[:, 0].astype(np.int64)] = np.arange(len(nodes))
+        elements = number[np.array(solid, dtype=np.int64)][:, _ORDER]
+        used, index = np.unique(elements, return_inverse=True)
+        return tetrahedral_mesh(
+            (_STEP_UNIT * nodes[:, 1:4])[used], index.reshape(elements.shape).astype(np.int64)
+        )
 
     def _meshed(self, program: str, folder: Path, size: float) -> str:
         """Mesh file of version 2, as text."""
@@ -92,23 +105,6 @@ class SolidFile:
         """Everything that defines the shape: the content of the file, not its name."""
         content = self.path.read_bytes() if self.path.is_file() else b""
         return ("solid", hashlib.sha256(content).hexdigest(), self.edge_length)
-
-
-def _read(label: str, text: str) -> SolidMesh:
-    """Nodes and tetrahedra of a mesh file of version 2."""
-    lines = text.splitlines()
-    nodes = np.array([line.split() for line in _block(lines, "Nodes")], dtype=float)
-    rows = [line.split() for line in _block(lines, "Elements")]
-    solid = [row[-_NODES:] for row in rows if int(row[1]) == _TETRAHEDRON]
-    if not solid:
-        raise GeometryError(label, "no body", "is one closed solid")
-    number = np.full(int(nodes[:, 0].max()) + 1, -1, dtype=np.int64)
-    number[nodes[:, 0].astype(np.int64)] = np.arange(len(nodes))
-    elements = number[np.array(solid, dtype=np.int64)][:, _ORDER]
-    used, index = np.unique(elements, return_inverse=True)
-    return tetrahedral_mesh(
-        (_STEP_UNIT * nodes[:, 1:4])[used], index.reshape(elements.shape).astype(np.int64)
-    )
 
 
 def _block(lines: list[str], name: str) -> list[str]:

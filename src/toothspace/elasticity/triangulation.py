@@ -70,7 +70,15 @@ def triangulate(
         inner = _smoothed(boundary, inner)
         _, _, inner = _clear_edges(boundary, edges, inner, split=False)
     points = np.vstack([boundary, inner])
-    triangles = _inside(points, Delaunay(points).simplices, whole)
+    # triangles whose centre is in the region, counter-clockwise, without slivers
+    simplices = Delaunay(points).simplices
+    centre = points[simplices].mean(axis=1)
+    kept = simplices[shapely.contains_xy(whole, centre[:, 0], centre[:, 1])]
+    a, b, c = (points[kept[:, k]] for k in range(3))
+    double = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    kept = np.where(double[:, None] > 0.0, kept, kept[:, [0, 2, 1]])
+    longest = np.maximum(np.hypot(*(b - a).T), np.hypot(*(c - a).T))
+    triangles = np.asarray(kept[np.abs(double) > 1e-6 * longest**2], dtype=np.int64)
     used, index = np.unique(triangles, return_inverse=True)
     if used.size < 3:
         raise GeometryError(
@@ -175,14 +183,3 @@ def _smoothed(boundary: Array, inner: Array) -> Array:
     sums = np.add.reduceat(points[neighbours], start[:-1], axis=0)
     mean = sums / np.diff(start)[:, None]
     return np.asarray(mean[len(boundary) :], dtype=float)
-
-
-def _inside(points: Array, simplices: IntArray, whole: shapely.Polygon) -> IntArray:
-    """Triangles whose centre is in the region, counter-clockwise, without slivers."""
-    centre = points[simplices].mean(axis=1)
-    kept = simplices[shapely.contains_xy(whole, centre[:, 0], centre[:, 1])]
-    a, b, c = (points[kept[:, k]] for k in range(3))
-    double = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    kept = np.where(double[:, None] > 0.0, kept, kept[:, [0, 2, 1]])
-    longest = np.maximum(np.hypot(*(b - a).T), np.hypot(*(c - a).T))
-    return np.asarray(kept[np.abs(double) > 1e-6 * longest**2], dtype=np.int64)

@@ -92,11 +92,35 @@ class InterpolatedEquilibrium:
         """
         low, high = self._ends
         wanted = (1.0 - share) * np.log(low.leakage) + share * np.log(high.leakage)
-        problem = self._mixed(share)
+        # films at pressures between the trials
+        first, second = (end.problem for end in self._ends)
+
+        def between(a: Array, b: Array) -> Array:
+            return np.asarray((1.0 - share) * a + share * b)
+
+        snapshots: tuple[Snapshot, ...] = tuple(
+            s._replace(node_pressure=between(s.node_pressure, t.node_pressure))
+            for s, t in zip(first.snapshots, second.snapshots, strict=True)
+        )
+        problem = replace(
+            (first, second)[round(share)],
+            snapshots=snapshots,
+            node_pressure=lambda angle: between(
+                first.node_pressure(angle), second.node_pressure(angle)
+            ),
+        )
         place = float(problem.stack.opening @ position)
         known: tuple[float, float] | None = None
         for _ in range(_MOST_PLACES):
-            held = self._held(problem, place, position)
+            guided = problem.held_at(place)
+            spring = guided.stack.holding_spring
+            assert spring is not None
+            found = self._settle(guided, guided.continued(position), self._temperatures)
+            self._temperatures = found.temperatures
+            opened = float(guided.stack.opening @ found.balance.position)
+            pull = spring.stiffness * (place - opened)
+            excess = (-self._sense * self._friction - pull) / self._scale
+            held = replace(found, excess=excess)
             error = float(np.log(max(held.numbers.leakage, 1e-30)) - wanted)
             if abs(error) <= _LEAKAGE or not held.equilibrium.settled:
                 break
@@ -182,36 +206,6 @@ class InterpolatedEquilibrium:
         """Force with which the housing holds all bearings while they slide. [N]."""
         laws = self._laws(self._ends[1].problem.loads)
         return sum(law.coulomb_force for _, law in laws if law.holds) * abs(self._sense)
-
-    def _held(self, problem: LateralProblem, place: float, position: Array) -> SettledBearing:
-        guided = problem.held_at(place)
-        spring = guided.stack.holding_spring
-        assert spring is not None
-        found = self._settle(guided, guided.continued(position), self._temperatures)
-        self._temperatures = found.temperatures
-        opened = float(guided.stack.opening @ found.balance.position)
-        pull = spring.stiffness * (place - opened)
-        excess = (-self._sense * self._friction - pull) / self._scale
-        return replace(found, excess=excess)
-
-    def _mixed(self, share: float) -> LateralProblem:
-        """Films at pressures between the trials."""
-        first, second = (end.problem for end in self._ends)
-
-        def between(a: Array, b: Array) -> Array:
-            return np.asarray((1.0 - share) * a + share * b)
-
-        snapshots: tuple[Snapshot, ...] = tuple(
-            s._replace(node_pressure=between(s.node_pressure, t.node_pressure))
-            for s, t in zip(first.snapshots, second.snapshots, strict=True)
-        )
-        return replace(
-            (first, second)[round(share)],
-            snapshots=snapshots,
-            node_pressure=lambda angle: between(
-                first.node_pressure(angle), second.node_pressure(angle)
-            ),
-        )
 
 
 def _room(held: SettledBearing) -> float:

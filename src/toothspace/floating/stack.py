@@ -144,7 +144,29 @@ class Stack:
     _maps: tuple[tuple[Array, Array], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "moving_bearings", _moving_bearings(self.balance))
+        # floating bearings or their parts: before the bodies those of the floating side
+        bodies = self.balance.bodies
+        parts = self.balance.halves or (self.balance.floating,)
+        beside = tuple((b,) for b in bodies) if self.balance.halves else (bodies,)
+        sides: tuple[tuple[Side, float, int], ...] = (("floating", -1.0, 0),)
+        if self.balance.arrangement in ("symmetric", "plates"):
+            sides += (("solid", 1.0, len(parts) + len(bodies)),)
+        object.__setattr__(
+            self,
+            "moving_bearings",
+            tuple(
+                MovingBearing(
+                    _MOTIONS * (start + k),
+                    side,
+                    sign,
+                    part,
+                    beside[k],
+                    len(sides) > 1 and sign * self.balance.thrust(beside[k]) < 0.0,
+                )
+                for side, sign, start in sides
+                for k, part in enumerate(parts)
+            ),
+        )
         object.__setattr__(self, "_maps", tuple(map(self._lift_maps, self.balance.interfaces)))
 
     @property
@@ -342,28 +364,6 @@ class Stack:
             if part.side == interface.side and interface.body in part.bodies:
                 bearing[:, part.first : part.first + _MOTIONS] = sign * about
         return bearing, body
-
-
-def _moving_bearings(balance: LateralBalance) -> tuple[MovingBearing, ...]:
-    """Floating bearings or their parts: before the bodies those of the floating side."""
-    bodies = balance.bodies
-    parts = balance.halves or (balance.floating,)
-    beside = tuple((b,) for b in bodies) if balance.halves else (bodies,)
-    sides: tuple[tuple[Side, float, int], ...] = (("floating", -1.0, 0),)
-    if balance.arrangement in ("symmetric", "plates"):
-        sides += (("solid", 1.0, len(parts) + len(bodies)),)
-    return tuple(
-        MovingBearing(
-            _MOTIONS * (start + k),
-            side,
-            sign,
-            part,
-            beside[k],
-            len(sides) > 1 and sign * balance.thrust(beside[k]) < 0.0,
-        )
-        for side, sign, start in sides
-        for k, part in enumerate(parts)
-    )
 
 
 @final

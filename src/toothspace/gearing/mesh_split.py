@@ -306,23 +306,16 @@ def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Arra
         row[16] = -1.0
         if not inside:
             continue
-        _velocities(drive, driven, mesh, window, angle, near, row)
+        after1, after2 = _placements(drive, mesh, angle + _STEP)
+        before1, before2 = _placements(drive, mesh, angle - _STEP)
+        near_after = refined(drive, after1, driven, after2, near)
+        near_before = refined(drive, before1, driven, before2, near)
+        b = _ends(drive, driven, mesh, window, angle + _STEP, near_after)
+        a = _ends(drive, driven, mesh, window, angle - _STEP, near_before)
+        row[5], row[6] = (b.x1 - a.x1) / (2.0 * _STEP), (b.y1 - a.y1) / (2.0 * _STEP)
+        row[7], row[8] = (b.x2 - a.x2) / (2.0 * _STEP), (b.y2 - a.y2) / (2.0 * _STEP)
         row[15], row[16], row[17] = _signed_gap(drive, driven, mesh, angle, near, ends)
         row[18] = flank_curvature(drive, near.first)
         row[19] = flank_curvature(driven, near.second)
         row[20] = near.mode
     return rows
-
-
-@inlined
-def _velocities(
-    drive: Flank, driven: Flank, mesh: Mesh, window: Window, angle: float, near: Closest, row: Array
-) -> None:
-    after1, after2 = _placements(drive, mesh, angle + _STEP)
-    before1, before2 = _placements(drive, mesh, angle - _STEP)
-    near_after = refined(drive, after1, driven, after2, near)
-    near_before = refined(drive, before1, driven, before2, near)
-    b = _ends(drive, driven, mesh, window, angle + _STEP, near_after)
-    a = _ends(drive, driven, mesh, window, angle - _STEP, near_before)
-    row[5], row[6] = (b.x1 - a.x1) / (2.0 * _STEP), (b.y1 - a.y1) / (2.0 * _STEP)
-    row[7], row[8] = (b.x2 - a.x2) / (2.0 * _STEP), (b.y2 - a.y2) / (2.0 * _STEP)

@@ -12,7 +12,7 @@ from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.spaces import Spaces
-from toothspace.gearing.tooth import Flank, Tooth
+from toothspace.gearing.tooth import Tooth
 from toothspace.geometry.curve import turned
 
 _ARC_STEP = np.deg2rad(1.0)
@@ -114,7 +114,13 @@ def _side(spaces: Spaces, throat: Throats, at: IntArray, *, own: bool) -> _Side:
     end = throat.drive if is_drive else throat.driven
     center, corner = spaces.center if own else spaces.other_center, end.corner[at]
     polar = 0.5 * np.pi + corner if is_drive else -0.5 * np.pi - corner
-    points, knots = _clear_points(flank)
+    # knots with the tip corner, without those between an arc and its chord: they would cross it
+    starts, radius = flank.coefficients[:, [0, 4]], flank.tip_radius
+    inside = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
+    clear = inside if radius > 0.0 else np.hypot(*starts.T) > -radius / np.cos(0.5 * _ARC_STEP)
+    tip = radius * np.array([[np.cos(flank.corner_angle), np.sin(flank.corner_angle)]])
+    keep = np.append(clear, True)
+    points, knots = np.vstack([starts, tip])[keep], flank.knots[keep]
     beyond = np.searchsorted(knots, flank.knots[-1] - np.maximum(end.inward[at], 0.0), "right")
     return _Side(
         flank=turned(points, (polar - flank.corner_angle)[:, None]) + center,
@@ -126,13 +132,3 @@ def _side(spaces: Spaces, throat: Throats, at: IntArray, *, own: bool) -> _Side:
         corner=corner,
         end=end.point[at],
     )
-
-
-def _clear_points(flank: Flank) -> tuple[Array, Array]:
-    # knots with the tip corner, without those between an arc and its chord: they would cross it
-    starts, radius = flank.coefficients[:, [0, 4]], flank.tip_radius
-    inside = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
-    clear = inside if radius > 0.0 else np.hypot(*starts.T) > -radius / np.cos(0.5 * _ARC_STEP)
-    tip = radius * np.array([[np.cos(flank.corner_angle), np.sin(flank.corner_angle)]])
-    keep = np.append(clear, True)
-    return np.vstack([starts, tip])[keep], flank.knots[keep]

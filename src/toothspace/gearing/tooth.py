@@ -97,7 +97,15 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
         Tip circle, negative of a ring gear, whose centre lies ahead of the tooth. [m]
     """
     knots = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    cuts = [0, *_corners(points, breaks), len(points) - 1]
+    # splines end at corners: breaks where the tangent jumps
+    inner = sorted(int(k) for k in breaks if 2 <= k <= len(points) - 3)
+    corners = []
+    for k in inner:
+        before, after = points[k] - points[k - 1], points[k + 1] - points[k]
+        turn = before[0] * after[1] - before[1] * after[0]
+        if abs(turn) > _TANGENT_JUMP * np.hypot(*before) * np.hypot(*after):
+            corners.append(k)
+    cuts = [0, *corners, len(points) - 1]
     pieces = [
         spline_coefficients(knots[first : last + 1], points[first : last + 1]).reshape(-1, 8)
         for first, last in pairwise(cuts)
@@ -107,17 +115,6 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
     x, y = np.sign(tip_radius) * points[-1]
     corner = float(np.arctan2(y, x))
     return Flank(knots, coefficients, area, side, corner, tip_radius)
-
-
-def _corners(points: Array, breaks: Array) -> list[int]:
-    inner = sorted(int(k) for k in breaks if 2 <= k <= len(points) - 3)
-    found = []
-    for k in inner:
-        before, after = points[k] - points[k - 1], points[k + 1] - points[k]
-        turn = before[0] * after[1] - before[1] * after[0]
-        if abs(turn) > _TANGENT_JUMP * np.hypot(*before) * np.hypot(*after):
-            found.append(k)
-    return found
 
 
 def _segment_areas(knots: Array, coefficients: Array) -> Array:

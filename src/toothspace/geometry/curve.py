@@ -50,7 +50,16 @@ def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tu
     scale = sum(_length(segment) for segment in segments)
     densities = [_density(segment, scale) for segment in segments]
     totals = np.array([cumulative[-1] for _, cumulative in densities])
-    counts = _shares(totals, count)
+    # whole shares of the points, two or more a segment, that sum to the count
+    wanted = totals / totals.sum() * count
+    shares = np.maximum(np.floor(wanted).astype(int), 2)
+    while shares.sum() > count:
+        shares[int(np.argmax(shares))] -= 1
+    order = np.argsort(shares - wanted)
+    for index in order[: count - int(shares.sum())]:
+        shares[index] += 1
+    shares[int(np.argmax(shares))] += count - int(shares.sum())
+    counts = [int(value) for value in shares]
     points, breaks = [segments[0].curve(np.zeros(1))], [0]
     for segment, (parameter, cumulative), pieces in zip(segments, densities, counts, strict=True):
         levels = cumulative[-1] * np.arange(1, pieces + 1) / pieces
@@ -82,28 +91,12 @@ def _density(segment: CurveSegment, scale: float) -> tuple[Array, Array]:
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
     turning = np.abs(np.gradient(heading)) / 0.2
     even = length * (20.0 / scale + 3.0 / total)
-    weight = even + turning + length * _crowding(middle, total, scale, segment.crowding)
-    return parameter, np.concatenate([[0.0], np.cumsum(weight)])
-
-
-def _crowding(along: Array, total: float, scale: float, crowding: tuple[float, float]) -> Array:
-    density = np.zeros_like(along)
-    for level, distance in zip(crowding, (along, total - along), strict=True):
+    density = np.zeros_like(middle)
+    for level, distance in zip(segment.crowding, (middle, total - middle), strict=True):
         if level > 0.0:
             density += 1.0 / (distance + scale * 10.0 ** (-3.0 - 1.5 * level))
-    return density
-
-
-def _shares(totals: Array, count: int) -> list[int]:
-    wanted = totals / totals.sum() * count
-    shares = np.maximum(np.floor(wanted).astype(int), 2)
-    while shares.sum() > count:
-        shares[int(np.argmax(shares))] -= 1
-    order = np.argsort(shares - wanted)
-    for index in order[: count - int(shares.sum())]:
-        shares[index] += 1
-    shares[int(np.argmax(shares))] += count - int(shares.sum())
-    return [int(value) for value in shares]
+    weight = even + turning + length * density
+    return parameter, np.concatenate([[0.0], np.cumsum(weight)])
 
 
 def without_repeats(points: Array, tolerance: float = 0.0) -> Array:

@@ -38,7 +38,23 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
     GeometryError
         For damaged files, open curves, unknown layers and drawings without curves.
     """
-    entities = _entities(path, layer)
+    ezdxf = package_of_extra("ezdxf", "cad", f"{path}: found a DXF file")
+    try:
+        drawing = ezdxf.readfile(path)
+    except (OSError, ezdxf.DXFError) as error:
+        reason = " ".join(str(error).split())
+        raise GeometryError(path, f"no readable DXF ({reason})", "DXF") from error
+    found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
+    entities = [entity for entity in found if entity.dxftype() in _CURVES]
+    if not entities:
+        kinds = ", ".join(sorted({entity.dxftype() for entity in found})) or "nothing"
+        layers = ", ".join(sorted({entity.dxf.layer for entity in drawing.modelspace()}))
+        raise GeometryError(
+            path,
+            f"{kinds} on {('all layers' if layer is None else f'layer {layer!r}')} (layers: "
+            f"{layers or 'none'})",
+            ", ".join(_CURVES),
+        )
     from ezdxf import bbox
 
     extents = bbox.extents(entities, fast=True)
@@ -48,30 +64,20 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
     return chain_closed(pieces, size * _RELATIVE_GAP * unit, str(path))
 
 
-def _entities(path: Path, layer: str | None) -> list[Any]:
-    ezdxf = package_of_extra("ezdxf", "cad", f"{path}: found a DXF file")
-    try:
-        drawing = ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError) as error:
-        reason = " ".join(str(error).split())
-        raise GeometryError(path, f"no readable DXF ({reason})", "DXF") from error
-    found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
-    curves = [entity for entity in found if entity.dxftype() in _CURVES]
-    if not curves:
-        kinds = ", ".join(sorted({entity.dxftype() for entity in found})) or "nothing"
-        layers = ", ".join(sorted({entity.dxf.layer for entity in drawing.modelspace()}))
-        raise GeometryError(
-            path,
-            f"{kinds} on {('all layers' if layer is None else f'layer {layer!r}')} (layers: "
-            f"{layers or 'none'})",
-            ", ".join(_CURVES),
-        )
-    return curves
-
-
 def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
     if entity.dxftype() in ("LWPOLYLINE", "POLYLINE"):
-        return _polyline(entity, sagitta, path)
+        # lines and arcs are flattened one by one, so that bulges stay true arcs
+        pieces = [_flattened(part, sagitta, path) for part in entity.virtual_entities()]
+        pieces = [piece for piece in pieces if np.ptp(piece, axis=0).max() > 0.0]
+        if not pieces:
+            return np.zeros((0, 2))
+        joined = [pieces[0] if _ends_at(pieces, 0) else pieces[0][::-1]]
+        for piece in pieces[1:]:
+            ahead = np.hypot(*(piece[0] - joined[-1][-1])) <= np.hypot(
+                *(piece[-1] - joined[-1][-1])
+            )
+            joined.append((piece if ahead else piece[::-1])[1:])
+        return np.vstack(joined)
     if entity.dxftype() == "LINE":
         vertices = [entity.dxf.start, entity.dxf.end]
     else:
@@ -81,19 +87,6 @@ def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
         kind = entity.dxftype()
         raise GeometryError(path, f"a {kind} that is not finite", "numbers")
     return points
-
-
-def _polyline(entity: Any, sagitta: float, path: Path) -> Array:
-    # lines and arcs are flattened one by one, so that bulges stay true arcs
-    pieces = [_flattened(part, sagitta, path) for part in entity.virtual_entities()]
-    pieces = [piece for piece in pieces if np.ptp(piece, axis=0).max() > 0.0]
-    if not pieces:
-        return np.zeros((0, 2))
-    joined = [pieces[0] if _ends_at(pieces, 0) else pieces[0][::-1]]
-    for piece in pieces[1:]:
-        ahead = np.hypot(*(piece[0] - joined[-1][-1])) <= np.hypot(*(piece[-1] - joined[-1][-1]))
-        joined.append((piece if ahead else piece[::-1])[1:])
-    return np.vstack(joined)
 
 
 def _ends_at(pieces: list[Array], index: int) -> bool:

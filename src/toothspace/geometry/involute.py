@@ -66,7 +66,20 @@ def tooth_form(gear: InvoluteGear) -> ToothForm:
             f"above {0.05 * gear.module * 1e3:.4g} mm",
         )
     fillet_end, form_radius, undercut = _fillet_junction(gear)
-    _check_neck(gear, fillet_end)
+    radii, spaces = _fillet_polar(gear, np.linspace(0.0, fillet_end, 200))
+    if np.min(np.diff(radii)) < -1e-12 * gear.module:
+        raise GeometryError(
+            "profile_shift",
+            f"{gear.profile_shift:g}",
+            "below dedendum minus tool_tip_radius (the root fillet folds back)",
+        )
+    neck = float(np.min((np.pi / gear.tooth_count - spaces) * radii)) * 2.0
+    if neck < 0.1 * gear.module:
+        raise GeometryError(
+            "profile_shift",
+            f"{gear.profile_shift:g}: undercut leaves a tooth neck of {neck * 1e3:.4g} mm",
+            f"at least {0.1 * gear.module * 1e3:.4g} mm",
+        )
     tip_form_radius, tip_half_angle = _tip_junction(gear)
     if form_radius >= tip_form_radius:
         key = "profile_shift" if undercut else "tip_diameter"
@@ -125,7 +138,25 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
         tip_form_radius=form.tip_form_radius,
         undercut=form.undercut,
     )
-    half, breaks = sample_segments(_half_tooth(gear, form, flank), points_per_tooth // 2)
+    # from the tooth axis outwards: land, rounding, involute, fillet, root
+    rounded = float(gear.tip_rounding > 0.0)
+    corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
+    sharp = 2.0 if form.undercut else 1.0
+    land, end, pitch = form.tip_half_angle, form.fillet_end, np.pi / gear.tooth_count
+    segments = [CurveSegment(lambda u: polar(gear.tip_radius, land * u), (0.0, 0.7 * rounded))]
+    if rounded:
+        segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
+    segments += [
+        CurveSegment(flank.curve(form.tip_form_radius), (rounded, sharp)),
+        CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (sharp, corner)),
+    ]
+    if corner > 0.0:
+        root = float(_fillet_polar(gear, np.zeros(1))[1][0])
+        start = pitch - root
+        segments.append(
+            CurveSegment(lambda u: polar(gear.root_radius, start + (pitch - start) * u), (1.0, 0.0))
+        )
+    half, breaks = sample_segments(segments, points_per_tooth // 2)
     points = np.vstack([half[:0:-1] * (1.0, -1.0), half])
     middle = len(half) - 1
     tip_end = middle + breaks[0]
@@ -221,23 +252,6 @@ def _undercut_corner(gear: InvoluteGear, last: float) -> float:
     return root_between(gap, start, last, 1e-15)
 
 
-def _check_neck(gear: InvoluteGear, fillet_end: float) -> None:
-    radii, spaces = _fillet_polar(gear, np.linspace(0.0, fillet_end, 200))
-    if np.min(np.diff(radii)) < -1e-12 * gear.module:
-        raise GeometryError(
-            "profile_shift",
-            f"{gear.profile_shift:g}",
-            "below dedendum minus tool_tip_radius (the root fillet folds back)",
-        )
-    neck = float(np.min((np.pi / gear.tooth_count - spaces) * radii)) * 2.0
-    if neck < 0.1 * gear.module:
-        raise GeometryError(
-            "profile_shift",
-            f"{gear.profile_shift:g}: undercut leaves a tooth neck of {neck * 1e3:.4g} mm",
-            f"at least {0.1 * gear.module * 1e3:.4g} mm",
-        )
-
-
 def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
     base, rounding = gear.base_radius, gear.tip_rounding
     if gear.tip_radius <= base:
@@ -265,28 +279,6 @@ def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
         )
     roll_length = np.sqrt(center_radius**2 - base**2) + rounding
     return float(np.hypot(base, roll_length)), tip_half_angle
-
-
-def _half_tooth(gear: InvoluteGear, form: ToothForm, flank: InvoluteFlank) -> list[CurveSegment]:
-    # from the tooth axis outwards: land, rounding, involute, fillet, root
-    rounded = float(gear.tip_rounding > 0.0)
-    corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
-    sharp = 2.0 if form.undercut else 1.0
-    land, end, pitch = form.tip_half_angle, form.fillet_end, np.pi / gear.tooth_count
-    segments = [CurveSegment(lambda u: polar(gear.tip_radius, land * u), (0.0, 0.7 * rounded))]
-    if rounded:
-        segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
-    segments += [
-        CurveSegment(flank.curve(form.tip_form_radius), (rounded, sharp)),
-        CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (sharp, corner)),
-    ]
-    if corner > 0.0:
-        root = float(_fillet_polar(gear, np.zeros(1))[1][0])
-        start = pitch - root
-        segments.append(
-            CurveSegment(lambda u: polar(gear.root_radius, start + (pitch - start) * u), (1.0, 0.0))
-        )
-    return segments
 
 
 def _rounding_arc(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:

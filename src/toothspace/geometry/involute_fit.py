@@ -191,29 +191,18 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
         low, high = found
     walked = [_walked(sides[side], unknowns, side, (low, high), tolerance) for side in sides]
     found = max(end[0] for end in walked), min(end[1] for end in walked)
-    return _checked_fit(sides, nodes, unknowns, found, tolerance, height)
-
-
-def _checked_fit(
-    sides: dict[float, FlankPoints],
-    nodes: dict[float, tuple[Array, Array]],
-    unknowns: Array,
-    ends: tuple[float, float],
-    tolerance: float,
-    height: float,
-) -> InvoluteFit | None:
     base, left, right = unknowns
-    residual = _residual(sides, unknowns, *ends)
+    residual = _residual(sides, unknowns, *found)
     if not residual <= _LARGEST_RESIDUAL * height:
         return None
-    curves = {side: _curve(*nodes[side], base, ends) for side in nodes}
+    curves = {side: _curve(*nodes[side], base, found) for side in nodes}
     # most negative distance between base circle and form radius
-    below = [distance[(r > base) & (r < ends[0])] for r, distance in nodes.values()]
+    below = [distance[(r > base) & (r < found[0])] for r, distance in nodes.values()]
     depth = min(float(distance.min(initial=0.0)) for distance in below)
     cut = -depth if depth < -max(tolerance, 1e-3 * height) else 0.0
     half = float(0.5 * (left + right))
-    flank = InvoluteFlank(float(base), half, *ends, undercut=cut > 0.0, residual=residual)
-    offsets = {side: _offsets(sides[side], unknowns, side, ends) for side in sides}
+    flank = InvoluteFlank(float(base), half, *found, undercut=cut > 0.0, residual=residual)
+    offsets = {side: _offsets(sides[side], unknowns, side, found) for side in sides}
     return InvoluteFit(
         flank=flank,
         turn=float(0.5 * (left - right)),

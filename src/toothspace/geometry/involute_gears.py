@@ -151,7 +151,11 @@ class InvoluteGears(RackCutTeeth[Array]):
         )
         root = 0.5 * self.root_radius**2 * self._corner[1] / self.reference_radius
         half = 0.5 * tip**2 * self.tip_half_angle + flank / (6.0 * base) + root
-        return 2.0 * (half + self._rounding_sector() + self._fillet_sector())
+        radius, (center, end, turn) = self.tip_rounding, self._rounding
+        start = self.tip_radius * np.exp(1j * self.tip_half_angle)
+        chord = np.imag(np.conj(center) * (end - start))
+        rounding = np.where(radius > 0.0, 0.5 * (radius**2 * turn + chord), 0.0)
+        return 2.0 * (half + rounding + self._fillet_sector())
 
     @cached_property
     def _rounding(self) -> tuple[Any, Any, Array]:
@@ -160,12 +164,6 @@ class InvoluteGears(RackCutTeeth[Array]):
         center = (self.tip_radius - self.tip_rounding) * land
         end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
         return center, end, np.angle((end - center) * np.conj(land))
-
-    def _rounding_sector(self) -> Array:
-        radius, (center, end, turn) = self.tip_rounding, self._rounding
-        start = self.tip_radius * np.exp(1j * self.tip_half_angle)
-        chord = np.imag(np.conj(center) * (end - start))
-        return np.where(radius > 0.0, 0.5 * (radius**2 * turn + chord), 0.0)
 
     def _fillet_sector(self) -> Array:
         # over t, the tangent of the corner angle: depth d = y + rho c with c = 1/sqrt(1 + t^2)
@@ -192,18 +190,6 @@ class InvoluteGears(RackCutTeeth[Array]):
         cosine = 1.0 / np.sqrt(1.0 + end**2)
         place = np.clip(np.sqrt(np.maximum(-depth, 0.0) / (3.0 * self.reference_radius)), cosine, 1)
         rise = self.reference_radius * rho * place**3 + depth * (depth + rho * place)
-        return marked(
-            self.module.shape,
-            {
-                DesignReason.TOOL_TIP: np.isnan(side),
-                DesignReason.ROOT_CIRCLE: self.root_radius <= _LEAST_ROOT * self.module,
-                DesignReason.FILLET: (depth < 0.0) & (rise < 0.0) | self._thin_necks(),
-                DesignReason.TIP: ~((center > self.base_radius) & (self.tip_half_angle > 0.0)),
-                DesignReason.NO_INVOLUTE: form >= self.tip_form_radius,
-            },
-        )
-
-    def _thin_necks(self) -> BoolArray:
         thin = np.zeros(self.module.shape, dtype=bool)
         for samples, margin in ((_COARSE_NECK_SAMPLES, 2.0), (_NECK_SAMPLES, 1.0)):
             cut = np.flatnonzero(self.undercut if margin > 1.0 else thin)
@@ -217,7 +203,16 @@ class InvoluteGears(RackCutTeeth[Array]):
                 (np.pi / gears.tooth_count - space) * radius, axis=0, initial=np.inf
             )
             thin[cut] = neck < margin * _LEAST_NECK * gears.module
-        return thin
+        return marked(
+            self.module.shape,
+            {
+                DesignReason.TOOL_TIP: np.isnan(side),
+                DesignReason.ROOT_CIRCLE: self.root_radius <= _LEAST_ROOT * self.module,
+                DesignReason.FILLET: (depth < 0.0) & (rise < 0.0) | thin,
+                DesignReason.TIP: ~((center > self.base_radius) & (self.tip_half_angle > 0.0)),
+                DesignReason.NO_INVOLUTE: form >= self.tip_form_radius,
+            },
+        )
 
     def with_addendum(self, addendum: float) -> InvoluteGears:
         """Gears whose tips stand so many modules above the shifted reference line. [module]."""

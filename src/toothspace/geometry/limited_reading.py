@@ -46,7 +46,17 @@ _READING = ("step_import", "solid_import", "dxf_import", "point_file", "limited_
 
 def read_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
     """Sections of a solid file by a process of its own; see ``cad_import.load_body_sections``."""
-    return _unpacked(_kept(path, {"unit": unit, "request": asdict(request)}))
+    archive = _kept(path, {"unit": unit, "request": asdict(request)})
+    found = []
+    for number, given in enumerate(json.loads(str(archive["table"]))):
+        # JSON makes lists of ranges
+        row: dict[str, Any] = {
+            name: tuple(x) if isinstance(x, list) else x for name, x in given.items()
+        }
+        row["axis"] = np.array(row["axis"])
+        row["curves"] = [archive[f"curve_{number}_{k}"] for k in range(row["curves"])]
+        found.append(BodySection(**row, second=archive.get(f"second_{number}")))
+    return found
 
 
 def read_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
@@ -129,16 +139,3 @@ def packed(sections: list[BodySection]) -> dict[str, Any]:
         if second is not None:
             arrays[f"second_{number}"] = second
     return {"table": np.array(json.dumps(table)), **arrays}
-
-
-def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
-    found = []
-    for number, given in enumerate(json.loads(str(archive["table"]))):
-        # JSON makes lists of ranges
-        row: dict[str, Any] = {
-            name: tuple(x) if isinstance(x, list) else x for name, x in given.items()
-        }
-        row["axis"] = np.array(row["axis"])
-        row["curves"] = [archive[f"curve_{number}_{k}"] for k in range(row["curves"])]
-        found.append(BodySection(**row, second=archive.get(f"second_{number}")))
-    return found

@@ -51,7 +51,10 @@ class SurfaceMesh:
     @property
     def is_closed(self) -> bool:
         """Whether every edge joins two triangles, or four where the surface touches itself."""
-        _, counts = np.unique(_edge_numbers(self), return_counts=True)
+        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        _, counts = np.unique(
+            pairs[:, 0] * np.int64(len(self.vertices)) + pairs[:, 1], return_counts=True
+        )
         return bool(np.all(counts % 2 == 0))
 
     def extent(self, axis: Array) -> tuple[float, float]:
@@ -75,24 +78,20 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
     _, first, number = np.unique(rows, return_index=True, return_inverse=True)
     vertices = corners[first]
     if tolerance > 0.0:
-        vertices, joined = _joined(vertices, tolerance)
+        # the first point of every cluster, and the cluster of every point
+        pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
+        size = len(vertices)
+        graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size))
+        count, label = connected_components(graph, directed=False)
+        representative = np.full(count, size)
+        np.minimum.at(representative, label, np.arange(size))
+        vertices, joined = vertices[representative], label.astype(np.int64)
         number = joined[number]
     faces = number.reshape(-1, 3)
     distinct = (
         (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     )
     return SurfaceMesh(vertices, faces[distinct])
-
-
-def _joined(points: Array, tolerance: float) -> tuple[Array, NDArray[np.int64]]:
-    # the first point of every cluster, and the cluster of every point
-    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
-    size = len(points)
-    graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size))
-    count, label = connected_components(graph, directed=False)
-    representative = np.full(count, size)
-    np.minimum.at(representative, label, np.arange(size))
-    return points[representative], label.astype(np.int64)
 
 
 def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
@@ -229,11 +228,6 @@ def likely_axes(mesh: SurfaceMesh) -> list[Array]:
         found = main
     others = [axis for axis in np.eye(3)[[2, 0, 1]] if abs(axis @ found) < 1.0 - 1e-12]
     return [found, *others]
-
-
-def _edge_numbers(mesh: SurfaceMesh) -> NDArray[np.int64]:
-    pairs = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    return pairs[:, 0] * np.int64(len(mesh.vertices)) + pairs[:, 1]
 
 
 def _loops(faces: NDArray[np.int64]) -> list[tuple[list[int], list[int]]]:

@@ -39,7 +39,13 @@ def read_point_file(path: Path, unit: float) -> list[Array]:
         finite.
     """
     lines = _decoded(path).splitlines()
-    separator, mark = _style(path, lines)
+    # the style in which most lines are numbers
+    sample = [line.strip() for line in lines if line.strip()]
+    counts = [sum(_numbers(line, *style) is not None for line in sample) for style in _STYLES]
+    best = int(np.argmax(counts))
+    if counts[best] == 0:
+        raise GeometryError(path, "no line with 2 or 3 numbers", "columns x, y or x, y, z")
+    separator, mark = _STYLES[best]
     curves: list[list[list[float]]] = [[]]
     for number, line in enumerate(lines, start=1):
         text = line.strip()
@@ -67,15 +73,6 @@ def _decoded(path: Path) -> str:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
-
-
-def _style(path: Path, lines: list[str]) -> tuple[str, str]:
-    sample = [line.strip() for line in lines if line.strip()]
-    counts = [sum(_numbers(line, *style) is not None for line in sample) for style in _STYLES]
-    best = int(np.argmax(counts))
-    if counts[best] == 0:
-        raise GeometryError(path, "no line with 2 or 3 numbers", "columns x, y or x, y, z")
-    return _STYLES[best]
 
 
 def _numbers(text: str, separator: str, mark: str) -> list[float] | None:

@@ -111,7 +111,10 @@ def gear_profile_from_curve(
     checked = checked_polygon(points, key)
     if tooth_count is not None and _polar_span(checked) < 1.5 * 2.0 * np.pi / tooth_count:
         return _single_pitch(checked, tooth_count, points_per_tooth, key)
-    outline = _smooth_outline(checked)
+    # the closed curve is cut at a corner or, without any, at an ordinary point
+    corners = np.flatnonzero(_bends(np.vstack([checked[-1:], checked, checked[:1]])))
+    rolled = np.roll(checked, -int(corners[0]) if len(corners) else 0, axis=0)
+    outline = _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
     center = centroid(outline)
     teeth_found = _tooth_count(outline - center, key)
     for _ in range(_CENTER_STEPS):
@@ -247,13 +250,6 @@ def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: s
     path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
     found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
     return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
-
-
-def _smooth_outline(points: Array) -> Array:
-    # the closed curve is cut at a corner or, without any, at an ordinary point
-    corners = np.flatnonzero(_bends(np.vstack([points[-1:], points, points[:1]])))
-    rolled = np.roll(points, -int(corners[0]) if len(corners) else 0, axis=0)
-    return _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
 
 
 def _smooth_open(points: Array) -> Array:

@@ -46,7 +46,16 @@ def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[Bod
         if path.stat().st_size > READ_HERE:
             return read_sections(path, unit, request)
         return cut_bodies(str(path), stl_bodies(path, unit), request)
-    _require_ocp(path)
+    try:
+        present = find_spec("OCP.STEPControl") is not None
+    except (ImportError, ValueError):
+        present = False
+    if not present:
+        raise GeometryError(
+            path,
+            "a STEP file but not the package that reads it",
+            'after pip install "toothspace[cad]"',
+        )
     if not path.read_bytes()[:64].lstrip().startswith(b"ISO-10303-21"):
         raise GeometryError(path, "no STEP header", "a file of ISO-10303-21")
     return read_sections(path, unit, request)
@@ -112,17 +121,4 @@ def _check_stl(path: Path) -> None:
             path,
             f"{len(raw)} bytes for {facets} facets (truncated STL)",
             f"{84 + 50 * max(facets, 4)} bytes or more",
-        )
-
-
-def _require_ocp(path: Path) -> None:
-    try:
-        present = find_spec("OCP.STEPControl") is not None
-    except (ImportError, ValueError):
-        present = False
-    if not present:
-        raise GeometryError(
-            path,
-            "a STEP file but not the package that reads it",
-            'after pip install "toothspace[cad]"',
         )

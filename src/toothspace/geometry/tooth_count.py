@@ -81,17 +81,14 @@ def area_phase(points: Array, tooth_count: int) -> float:
 
 def area_elements(points: Array) -> tuple[Array, Array]:
     """Middle angles [rad] and areas [m2] of the sectors under finely divided edges."""
-    fine = _divided(points)
-    following = np.roll(fine, -1, axis=0)
-    area = 0.5 * (fine[:, 0] * following[:, 1] - fine[:, 1] * following[:, 0])
-    middle = fine + following
-    return np.arctan2(middle[:, 1], middle[:, 0]), area
-
-
-def _divided(points: Array) -> Array:
+    # edges are divided, so that no sector is wider than the finest one asked for
     step = np.roll(points, -1, axis=0) - points
     length = np.hypot(step[:, 0], step[:, 1])
     counts = np.maximum(np.ceil(length / length.sum() * 4 * _SECTORS).astype(int), 1)
     start = np.repeat(np.arange(len(points)), counts)
     share = (np.arange(len(start)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[start]
-    return np.asarray(points[start] + share[:, None] * step[start])
+    fine = np.asarray(points[start] + share[:, None] * step[start])
+    following = np.roll(fine, -1, axis=0)
+    area = 0.5 * (fine[:, 0] * following[:, 1] - fine[:, 1] * following[:, 0])
+    middle = fine + following
+    return np.arctan2(middle[:, 1], middle[:, 0]), area

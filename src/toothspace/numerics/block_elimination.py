@@ -227,23 +227,17 @@ def _apply(block: Single, x: Single, out: Single) -> None:
 
 
 @njit(nogil=True, fastmath=True, error_model="numpy")
-def _over_centre(inverse: Array, rhs: Array) -> tuple[Array, float]:
-    """Right-hand side over the coefficients of the centre, and its largest value."""
-    x, size = np.empty(rhs.size), 0.0
-    for r in range(x.size):
-        x[r] = rhs[r] * inverse[r]
-        size = max(size, abs(x[r]))
-    return x, size
-
-
-@njit(nogil=True, fastmath=True, error_model="numpy")
 def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
     """Approximate solution: forward through the ring and back. ``unit`` scales the unknowns."""
     coupling, span, store = blocks.coupling, blocks.span, blocks.store
     _, rows, lanes = coupling.shape
     total = rows + 2 * _OVERLAP
     # single precision spans 38 decades: sides are solved as parts of their largest value
-    x, size = _over_centre(blocks.inverse, rhs)
+    # right-hand side over the coefficients of the centre, and its largest value
+    x, size = np.empty(rhs.size), 0.0
+    for r in range(x.size):
+        x[r] = rhs[r] * blocks.inverse[r]
+        size = max(size, abs(x[r]))
     if size == 0.0:
         return x
     z = np.zeros((total, lanes), dtype=np.float32)

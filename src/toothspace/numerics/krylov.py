@@ -84,19 +84,17 @@ class _Space:
     def extend(self, image: Array, w: Array) -> None:
         """Take the image of the last basis vector and its product with the matrix."""
         if self._count == len(self._images):
-            self._enlarge()
+            # room for twice as many vectors
+            size, length = self._images.shape
+            former, self._projected = self._projected, np.zeros((2 * size + 3, 2 * size + 1))
+            self._projected[:size, :size] = former[:size, :size]
+            self._projected[-3:, : size + 1] = former[-3:]
+            self._basis = np.concatenate([self._basis, np.empty((size, length))])
+            self._images = np.concatenate([self._images, np.empty((size, length))])
         self._images[self._count] = image
         left = extend(self._basis, self._projected, self._count, w)
         self._count += 1
         self.finished = not left > self._limit
-
-    def _enlarge(self) -> None:
-        size, length = self._images.shape
-        former, self._projected = self._projected, np.zeros((2 * size + 3, 2 * size + 1))
-        self._projected[:size, :size] = former[:size, :size]
-        self._projected[-3:, : size + 1] = former[-3:]
-        self._basis = np.concatenate([self._basis, np.empty((size, length))])
-        self._images = np.concatenate([self._images, np.empty((size, length))])
 
     def solution(self) -> Array:
         """Combination of the images that leaves the smallest residual."""

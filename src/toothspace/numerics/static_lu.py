@@ -105,7 +105,12 @@ def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
     basis = own if basis is None else basis | own
     core = pattern[:n] | basis
     order = _fewest_updates(core)
-    filled = _fill_in(core[np.ix_(order, order)])
+    # every elimination fills the product of its column and its row
+    filled = core[np.ix_(order, order)].copy()
+    for k in range(filled.shape[0]):
+        below = k + 1 + np.nonzero(filled[k + 1 :, k])[0]
+        right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
+        filled[np.ix_(below, right)] = True
     packed = np.full((n, n), -1, dtype=np.int64)
     packed[filled] = np.arange(int(filled.sum()))
     pairs = _row_updates(filled, packed)
@@ -154,15 +159,6 @@ def _fewest_updates(core: BoolArray) -> IntArray:
         np.fill_diagonal(graph, False)
         left[node] = False
     return order
-
-
-def _fill_in(permuted: BoolArray) -> BoolArray:
-    filled = permuted.copy()
-    for k in range(filled.shape[0]):
-        below = k + 1 + np.nonzero(filled[k + 1 :, k])[0]
-        right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
-        filled[np.ix_(below, right)] = True
-    return filled
 
 
 def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
@@ -222,21 +218,28 @@ def factorise(
         SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
     """
     if program.dense[0] == 0:
-        _assemble(program, jacobian, basis, gamma, values)
+        flat, own = jacobian.reshape(-1), basis.reshape(-1)
+        values[: program.packed_size[0]] = 0.0
+        source, place = program.source, program.source_place
+        for entry in range(source.size):
+            values[place[entry]] = own[source[entry]] - gamma * flat[source[entry]]
         if _eliminate(program, values):
             return SPARSE_FACTORS
-    return _factorise_dense(jacobian, basis, gamma, values, pivots)
-
-
-@_kernel
-def _assemble(
-    program: LuProgram, jacobian: Array, basis: Array, gamma: float, values: Array
-) -> None:
-    flat, own = jacobian.reshape(-1), basis.reshape(-1)
-    values[: program.packed_size[0]] = 0.0
-    source, place = program.source, program.source_place
-    for entry in range(source.size):
-        values[place[entry]] = own[source[entry]] - gamma * flat[source[entry]]
+    n = pivots.size
+    a = values[: n * n].reshape((n, n))
+    for i in range(n):
+        for j in range(n):
+            a[i, j] = basis[i, j] - gamma * jacobian[i, j]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > abs(a[best, k]):
+                best = i
+        pivots[k] = best
+        if not (abs(a[best, k]) > 0.0 and np.isfinite(a[best, k])):
+            return SINGULAR
+        _eliminate_dense_column(a, k, best)
+    return DENSE_FACTORS
 
 
 @_kernel
@@ -260,27 +263,6 @@ def _eliminate(program: LuProgram, values: Array) -> bool:
                 for j in range(run_length[run]):
                     values[target + j] -= factor * values[upper + j]
     return sound
-
-
-@_kernel
-def _factorise_dense(
-    jacobian: Array, basis: Array, gamma: float, values: Array, pivots: IntArray
-) -> int:
-    n = pivots.size
-    a = values[: n * n].reshape((n, n))
-    for i in range(n):
-        for j in range(n):
-            a[i, j] = basis[i, j] - gamma * jacobian[i, j]
-    for k in range(n):
-        best = k
-        for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[best, k]):
-                best = i
-        pivots[k] = best
-        if not (abs(a[best, k]) > 0.0 and np.isfinite(a[best, k])):
-            return SINGULAR
-        _eliminate_dense_column(a, k, best)
-    return DENSE_FACTORS
 
 
 @_kernel

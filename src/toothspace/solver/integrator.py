@@ -18,7 +18,6 @@ from toothspace.numerics.ndf_types import (
     MAX_STEPS,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
-    NdfRecord,
     NdfSettings,
     NdfState,
     make_record,
@@ -68,12 +67,21 @@ class March:
         integration = Integration(self.program, self.settings, self.state, record)
         code = advance(self.system.arrays, integration, end)
         written = int(record.counts[0])
+        count = min(int(record.counts[1]), record.event_times.size)
+        speed = self.system.condition.shaft_speed
         return Piece(
             status=_STATUS.get(code, Status.STEP_TOO_SMALL),
             stopped=code == TERMINAL_EVENT,
             times=record.sample_times[:written],
             states=record.samples[:written],
-            events=self._events(record),
+            events=tuple(
+                Event(
+                    speed * float(record.event_times[k]),
+                    float(record.event_times[k]),
+                    *self._event_text(int(record.event_index[k]), int(record.event_direction[k])),
+                )
+                for k in range(count)
+            ),
         )
 
     def restart(self, time: float, state: Array) -> None:
@@ -89,18 +97,6 @@ class March:
         """Counters of the integrator since its start."""
         control = self.state.control[0]
         return {key: float(control[name]) for key, name in _COUNTERS.items()}
-
-    def _events(self, record: NdfRecord) -> tuple[Event, ...]:
-        count = min(int(record.counts[1]), record.event_times.size)
-        speed = self.system.condition.shaft_speed
-        return tuple(
-            Event(
-                speed * float(record.event_times[k]),
-                float(record.event_times[k]),
-                *self._event_text(int(record.event_index[k]), int(record.event_direction[k])),
-            )
-            for k in range(count)
-        )
 
     def _event_text(self, index: int, direction: int) -> tuple[str, str]:
         description = self.system.description

@@ -112,7 +112,15 @@ class TransientMarch:
             times = times[len(piece.states) :]
             if not piece.stopped:
                 break
-            self._switch(march)
+            state = march.state.y.copy()
+            time = float(march.state.control[0]["valid_until"])
+            drive = self.system.arrays.drive
+            if drive[col.DIRECTION] == STUCK:
+                drive[col.DIRECTION] = next_direction(0.0, drive[col.DRIVING_TORQUE], 0.0)
+            else:
+                state[1] = 0.0
+                settle(self.system, state, time)
+            march.restart(time, state)
         return np.vstack(parts)
 
     def _kinks(self, begin: float, end: float) -> list[float]:
@@ -130,17 +138,6 @@ class TransientMarch:
         if len(speed):
             state[1] = np.interp(time, speed[:, 0], speed[:, 1])
         settle(self.system, state, time)
-        march.restart(time, state)
-
-    def _switch(self, march: March) -> None:
-        state = march.state.y.copy()
-        time = float(march.state.control[0]["valid_until"])
-        drive = self.system.arrays.drive
-        if drive[col.DIRECTION] == STUCK:
-            drive[col.DIRECTION] = next_direction(0.0, drive[col.DRIVING_TORQUE], 0.0)
-        else:
-            state[1] = 0.0
-            settle(self.system, state, time)
         march.restart(time, state)
 
 

@@ -19,7 +19,7 @@ from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver import outcome
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History
-from toothspace.solver.transient import TimePlan, TransientMarch
+from toothspace.solver.transient import TransientMarch
 
 _AT_ONCE = 1e-12
 
@@ -43,7 +43,20 @@ def transient_solution(
         Called with the finished share and a short text.
     """
     stream = SampleStream()
-    _stream(march, stream, progress)
+    # append all cells to the stream; a run that fails in its first cell keeps its start
+    try:
+        for times, states in march.chunks(progress):
+            with interrupts_held():
+                _append(march, stream, times, states)
+            if stream.failure is not None:
+                march.status = Status.NOT_STORED
+                break
+    except KeyboardInterrupt:
+        march.status = Status.INTERRUPTED
+    if stream.rows == 0:
+        if march.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        _append(march, stream, *_start(march))
     system = march.system
     rows = stream.finish()
     constants = {
@@ -66,23 +79,6 @@ def transient_solution(
     )
 
 
-def _stream(march: TransientMarch, stream: SampleStream, progress: Progress | None) -> None:
-    """Append all cells to the stream; a run that fails in its first cell keeps its start."""
-    try:
-        for times, states in march.chunks(progress):
-            with interrupts_held():
-                _append(march, stream, times, states)
-            if stream.failure is not None:
-                march.status = Status.NOT_STORED
-                break
-    except KeyboardInterrupt:
-        march.status = Status.INTERRUPTED
-    if stream.rows == 0:
-        if march.status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        _append(march, stream, *_start(march))
-
-
 def _start(march: TransientMarch) -> tuple[Array, Array]:
     """Times and states of one cell at the start of the run."""
     times: Array = _AT_ONCE * np.arange(float(march.plan.samples_per_cell))
@@ -92,7 +88,18 @@ def _start(march: TransientMarch) -> tuple[Array, Array]:
 def _append(march: TransientMarch, stream: SampleStream, times: Array, states: Array) -> None:
     values = _values(march, times, states)
     del values["seat_position"]
-    stream.append(_cells(_chosen(values, march.plan), march.plan.samples_per_cell))
+    # values that are kept: all with one number in each sample, and the chosen channels
+    channels = march.plan.channels
+    stream.append(
+        _cells(
+            {
+                name: value
+                for name, value in values.items()
+                if channels is None or value.ndim == 1 or name in channels
+            },
+            march.plan.samples_per_cell,
+        )
+    )
 
 
 def _history(march: TransientMarch, times: Any, states: Any) -> History:
@@ -148,16 +155,6 @@ def _load(system: System, times: Array, speed: Array) -> Array:
     if len(shaft.load_history):
         torque += np.interp(times, *shaft.load_history.T)
     return np.asarray(torque)
-
-
-def _chosen(values: Mapping[str, Array], plan: TimePlan) -> dict[str, Array]:
-    """Values that are kept: all with one number in each sample, and the chosen channels."""
-    channels = plan.channels
-    return {
-        name: value
-        for name, value in values.items()
-        if channels is None or value.ndim == 1 or name in channels
-    }
 
 
 def _cells(values: Mapping[str, Array], samples: int) -> dict[str, Array]:

@@ -123,7 +123,14 @@ def solve_field(
         gap = lobed(gap, mesh, bearing.lobes, bearing.radial_clearance)
     law, contact = _walls(bearing, speed, gap)
     if contact is None:
-        _refuse_contact(gap, motion, bearing)
+        lowest = min(float(gap.centre.min()), float(gap.face_x.min()), float(gap.face_y.min()))
+        if lowest <= 0.0:
+            ratio = float(np.hypot(*motion.place[:2])) / bearing.radial_clearance
+            raise CaseError(
+                "bearing.eccentricity",
+                f"a smallest gap of {lowest:.3g} m at an eccentricity ratio of {ratio:.4g}",
+                "are positions without contact",
+            )
     film = FilmProblem(
         grid,
         gap,
@@ -147,17 +154,6 @@ def _walls(
     law = flow_law(surfaces, (speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
     pressure, slope = contact_field(gap.centre, surfaces.roughness, contact_table(surfaces))
     return law, JournalContact(pressure, slope)
-
-
-def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefinition) -> None:
-    lowest = min(float(gap.centre.min()), float(gap.face_x.min()), float(gap.face_y.min()))
-    if lowest <= 0.0:
-        ratio = float(np.hypot(*motion.place[:2])) / bearing.radial_clearance
-        raise CaseError(
-            "bearing.eccentricity",
-            f"a smallest gap of {lowest:.3g} m at an eccentricity ratio of {ratio:.4g}",
-            "are positions without contact",
-        )
 
 
 def contact_load(

@@ -143,7 +143,29 @@ class Pad:
     def _film(self, speed: float, squeeze_velocity: float) -> PlaneFilm:
         half = self.shape is None
         x, x_face, y, y_face = self._lines(half)
-        grid = self._grid(x, x_face, y, y_face, half, speed)
+        dx, dy = np.diff(x_face), np.diff(y_face)
+        along = np.concatenate([[x[0]], np.diff(x), [self.length - x[-1]]])
+        across = np.concatenate([[y[0] - y_face[0]], np.diff(y), [y_face[-1] - y[-1]]])
+        wall = np.zeros(y_face.size, dtype=bool)
+        wall[[0, -1]] = self.side_condition == "no_flow"
+        wall[0] |= half
+        inverse = np.where(wall, 0.0, 1.0 / np.where(wall, 1.0, across))
+        rows, lanes = x.size, y.size
+        ambient = self.ambient_pressure
+        grid = FilmGrid(
+            dy[None, :] / along[:, None],
+            dx[:, None] * inverse[None, :],
+            np.tile(0.5 * speed * dy, (rows + 1, 1)),
+            np.zeros((rows, lanes + 1)),
+            dx[:, None] * dy[None, :],
+            np.zeros((rows, lanes), dtype=np.int64),
+            np.zeros((rows, lanes)),
+            np.full(lanes, ambient),
+            np.full(lanes, ambient),
+            np.full(rows, ambient),
+            np.full(rows, ambient),
+            False,
+        )
         base = self._gap(x, y)
         gap = GapField(
             base,
@@ -171,33 +193,6 @@ class Pad:
             if lanes % 2:
                 y[0] = 0.0
         return x, x_face, y, y_face
-
-    def _grid(
-        self, x: Array, x_face: Array, y: Array, y_face: Array, half: bool, speed: float
-    ) -> FilmGrid:
-        dx, dy = np.diff(x_face), np.diff(y_face)
-        along = np.concatenate([[x[0]], np.diff(x), [self.length - x[-1]]])
-        across = np.concatenate([[y[0] - y_face[0]], np.diff(y), [y_face[-1] - y[-1]]])
-        wall = np.zeros(y_face.size, dtype=bool)
-        wall[[0, -1]] = self.side_condition == "no_flow"
-        wall[0] |= half
-        inverse = np.where(wall, 0.0, 1.0 / np.where(wall, 1.0, across))
-        rows, lanes = x.size, y.size
-        ambient = self.ambient_pressure
-        return FilmGrid(
-            dy[None, :] / along[:, None],
-            dx[:, None] * inverse[None, :],
-            np.tile(0.5 * speed * dy, (rows + 1, 1)),
-            np.zeros((rows, lanes + 1)),
-            dx[:, None] * dy[None, :],
-            np.zeros((rows, lanes), dtype=np.int64),
-            np.zeros((rows, lanes)),
-            np.full(lanes, ambient),
-            np.full(lanes, ambient),
-            np.full(rows, ambient),
-            np.full(rows, ambient),
-            False,
-        )
 
     def _gap(self, x: Array, y: Array) -> Array:
         xs, ys = np.meshgrid(x, y, indexing="ij")

@@ -20,7 +20,7 @@ from toothspace.films.plane.film import (
     solve_plane,
 )
 from toothspace.films.reynolds.cavitation import CAVITATION
-from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.equation import GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import (
     SMOOTH,
@@ -156,8 +156,21 @@ class LateralFilm:
             squeeze_velocity - gap_speed * slope,
             np.zeros_like(centre) if self.depth is None else self.depth,
         )
+        grid = polar_grid(self.grid[0], rim)
+        if self.inner_pressure is None:
+            grid.shape_y[:, 0] = 0.0
+        if self.outer_pressure is None:
+            grid.shape_y[:, -1] = 0.0
+        given = np.full(self.grid, np.nan) if self.given_pressure is None else self.given_pressure
+        known = np.isfinite(given)
         return PlaneFilm(
-            self._metric(rim, shaft_speed),
+            grid._replace(
+                sweep_x=shaft_speed * grid.sweep_x,
+                mark=np.where(known, PRESCRIBED, 0),
+                prescribed=np.where(known, given, 0.0),
+                south=self._rim_pressure(self.inner_pressure),
+                north=self._rim_pressure(self.outer_pressure),
+            ),
             gap,
             self.fluid,
             self.cavitation_pressure,
@@ -173,22 +186,6 @@ class LateralFilm:
         about_x, about_y = self.tilt
         lean = about_x * np.sin(angle) - about_y * np.cos(angle)
         return np.ascontiguousarray(self.side_gap + lean[:, None] * radius)
-
-    def _metric(self, rim: Array, shaft_speed: float) -> FilmGrid:
-        grid = polar_grid(self.grid[0], rim)
-        if self.inner_pressure is None:
-            grid.shape_y[:, 0] = 0.0
-        if self.outer_pressure is None:
-            grid.shape_y[:, -1] = 0.0
-        given = np.full(self.grid, np.nan) if self.given_pressure is None else self.given_pressure
-        known = np.isfinite(given)
-        return grid._replace(
-            sweep_x=shaft_speed * grid.sweep_x,
-            mark=np.where(known, PRESCRIBED, 0),
-            prescribed=np.where(known, given, 0.0),
-            south=self._rim_pressure(self.inner_pressure),
-            north=self._rim_pressure(self.outer_pressure),
-        )
 
     def _rim_pressure(self, pressure: float | Array | None) -> Array:
         value = self.cavitation_pressure if pressure is None else pressure
