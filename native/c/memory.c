@@ -68,3 +68,7 @@ int32_t numba_attempt_nocopy_reshape(int64_t dimensions, const int64_t *shape,
     }
     return 1;
 }
+
+/* Memory for a moment, as Numba asks for it. */
+void *NRT_Allocate(size_t size) { return malloc(size); }
+void NRT_Free(void *block) { free(block); }

@@ -83,7 +83,7 @@ TET_VALUES, TET_SLOPES = _tet_tables()
 def _jacobians(slopes: Array, corners: Array) -> tuple[Array, Array]:
     """Inverse of the derivative of place with the local coordinates, and its determinant."""
     derivative = slopes @ corners[:, None]
-    return np.linalg.inv(derivative), np.linalg.det(derivative)
+    return np.asarray(np.linalg.inv(derivative)), np.asarray(np.linalg.det(derivative))
 
 
 def _strains(gradient: Array) -> Array:

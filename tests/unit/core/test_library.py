@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from native.build import target
+from native.compile import target
 from native.signatures import ArrayType, Scalar, TupleType, parsed, read_entries, text_of
 from toothspace.core.compilation import library
 from toothspace.core.compilation.entry import Entry
@@ -174,10 +174,10 @@ def test_other_sources_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_an_unknown_way_is_refused() -> None:
     done = subprocess.run(
-        [sys.executable, "-c", "import toothspace.core.compiled"],
+        [sys.executable, "-c", "import toothspace.numerics.vectors"],
         env={**os.environ, "TOOTHSPACE_COMPILATION": "fast"},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert "TOOTHSPACE_COMPILATION: found 'fast', allowed library, jit or plain" in done.stderr
+    assert "TOOTHSPACE_COMPILATION: found fast, allowed library, jit or plain" in done.stderr

@@ -6,33 +6,15 @@ compile, which is never where the library holds every entry.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from functools import partial
 from typing import Any, TypeVar
 
 from toothspace.core.compilation.entry import Entry
 from toothspace.core.compilation.library import Way, chosen, way
+from toothspace.core.compilation.marks import mark
 
-_JIT = "toothspace.core.compilation.jit"
-_Any = TypeVar("_Any", bound=Any)
-_marks: list[tuple[str, tuple[Any, ...]]] = []
-
-
-def _mark(kind: str, *what: Any) -> None:
-    """Note what the compiler must know, or tell it where it is loaded."""
-    loaded = sys.modules.get(_JIT)
-    if loaded is None:
-        _marks.append((kind, what))
-    else:
-        loaded.REGISTER[kind](*what)
-
-
-def hand_over(register: dict[str, Callable[..., None]]) -> None:
-    """Tell the compiler all that was marked before it was loaded."""
-    for kind, what in _marks:
-        register[kind](*what)
-    _marks.clear()
+_Record = TypeVar("_Record", bound=type)
 
 
 def njit(function: Any = None, /, **options: Any) -> Any:
@@ -46,28 +28,28 @@ def njit(function: Any = None, /, **options: Any) -> Any:
     return compiled(function, options)
 
 
-def inlined(function: _Any) -> _Any:
+def inlined(function: Any) -> Any:
     """Mark a formula that stays plain Python and is compiled where compiled code calls it."""
-    _mark("formula", function)
+    mark("formula", function)
     return function
 
 
-def stand_in(function: Callable[..., Any]) -> Callable[[_Any], _Any]:
+def stand_in(function: Callable[..., Any]) -> Callable[[Any], Any]:
     """Mark a rule that chooses what compiled code calls in place of a plain function.
 
     The rule gets the types of the arguments: an array has ``ndim``, a number has not.
     """
 
-    def marked(choose: _Any) -> _Any:
-        _mark("stand_in", function, choose)
+    def marked(choose: Any) -> Any:
+        mark("stand_in", function, choose)
         return choose
 
     return marked
 
 
-def passed_by_address(record: _Any) -> _Any:
+def passed_by_address(record: _Record) -> _Record:
     """Mark a named-tuple class whose instances compiled code reads from one block of memory."""
-    _mark("record", record)
+    mark("record", record)
     return record
 
 

@@ -16,8 +16,8 @@ from typing import Any
 import numba
 from numba.extending import overload, register_jitable
 
-from toothspace.core.compilation.decorators import hand_over
 from toothspace.core.compilation.library import Way, way
+from toothspace.core.compilation.marks import hand_over
 from toothspace.core.compilation.records import register_record
 from toothspace.core.compilation.sources import cache_root, digest_of_sources
 
@@ -70,11 +70,4 @@ def register_stand_in(function: Callable[..., Any], choose: Callable[..., Any]) 
     overload(function, strict=False)(choose)
 
 
-REGISTER: dict[str, Callable[..., None]] = {
-    "formula": register_formula,
-    "stand_in": register_stand_in,
-    "record": register_record,
-}
-"""What makes a mark known to the compiler, by the kind of mark."""
-
-hand_over(REGISTER)
+hand_over({"formula": register_formula, "stand_in": register_stand_in, "record": register_record})

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from toothspace.core.compilation.sources import PACKAGE, digest_of_modules
+from toothspace.core.errors import CaseError
 
 FOLDER = PACKAGE / "native"
 """Folder of the library."""
@@ -76,7 +77,7 @@ def chosen() -> tuple[Way, str, Library | None]:
     """
     asked = os.environ.get("TOOTHSPACE_COMPILATION", "")
     if asked not in {"", Way.LIBRARY, Way.JUST_IN_TIME, Way.PLAIN}:
-        raise ValueError(f"TOOTHSPACE_COMPILATION: found {asked!r}, allowed library, jit or plain")
+        raise CaseError("TOOTHSPACE_COMPILATION", asked, "library, jit or plain")
     if asked in {Way.PLAIN, Way.JUST_IN_TIME}:
         return Way(asked), "TOOTHSPACE_COMPILATION asks for it", None
     found = _opened()
@@ -118,7 +119,7 @@ def _opened() -> Library | str:
     release = ctypes.cast(library.toothspace_release, ctypes.c_void_p).value or 0
     entries = {
         entry["name"]: Native(
-            addresses[k], _short(entry["types"]), _short(entry["results"]), entry["results"]
+            addresses[k] or 0, _short(entry["types"]), _short(entry["results"]), entry["results"]
         )
         for k, entry in enumerate(table["entries"])
     }

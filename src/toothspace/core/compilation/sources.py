@@ -12,6 +12,9 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[2]
 """Folder of the package."""
 
+_LOADING = {f"core.compilation.{name}" for name in ("cache", "entry", "library", "notice")}
+"""Modules that find compiled code and are no part of it."""
+
 _IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 
 
@@ -30,18 +33,26 @@ def _library() -> dict[str, str]:
     return {path.relative_to(PACKAGE).as_posix(): path.read_text("utf-8") for path in paths}
 
 
+@cache
+def _imports(module: str) -> frozenset[str]:
+    """Modules of the package that a module imports."""
+    texts = _texts()
+    found: set[str] = set()
+    for place, names in _IMPORT.findall(texts[module]):
+        # a name may be that of a module of a package
+        found |= {place, *(f"{place}.{name}" for name in re.findall(r"\w+", names))}
+    return frozenset(found & texts.keys() - _LOADING)
+
+
 def with_imports(found: Iterable[str]) -> dict[str, str]:
     """Texts of modules and of all that these import."""
     texts = _texts()
     reached = set(found) & texts.keys()
     ahead = list(reached)
     while ahead:
-        for place, names in _IMPORT.findall(texts[ahead.pop()]):
-            # a name may be that of a module of a package
-            imported = {place, *(f"{place}.{name}" for name in re.findall(r"\w+", names))}
-            imported &= texts.keys()
-            ahead += imported - reached
-            reached |= imported
+        imported = _imports(ahead.pop())
+        ahead += imported - reached
+        reached |= imported
     return {name: texts[name] for name in reached}
 
 
