@@ -18,10 +18,9 @@ ROOT = "src/toothspace/"
 CAPABILITIES: dict[str, tuple[str, ...]] = {
     "gears from CAD and measured gears": (
         *(f"geometry/{name}.py" for name in (
-            "body_section", "chains", "fitted_profile", "flank_deviation", "gear_data",
-            "gear_finder", "gear_profile", "gear_report", "involute_fit", "limited_reading",
-            "mesh_section", "reading_process",
-            "profile_detection", "pump_sections", "solid_import", "step_*", "tooth_*",
+            "body_section", "cad_import", "gear_data", "gear_finder", "gear_profile",
+            "involute_fit", "limited_reading", "profile_detection", "pump_sections",
+            "reading_process", "step_*", "tooth_*",
         )),
         *(f"machines/external_gear/{name}.py" for name in (
             "gear_files", "own_teeth", "profile_quality", "solid_contours",

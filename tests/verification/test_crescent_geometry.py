@@ -28,8 +28,7 @@ from toothspace.gearing.meshing import (
     facing_throats,
     flow_over_pitch,
 )
-from toothspace.gearing.openings import groove_openings
-from toothspace.gearing.outlines import space_outlines
+from toothspace.gearing.openings import groove_openings, space_outlines
 from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backlash
 from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair

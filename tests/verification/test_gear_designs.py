@@ -16,10 +16,9 @@ from toothspace.advice.gear_rules import pair_checks
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
 from toothspace.geometry.evaluated_designs import REASON_TEXTS, DesignReason
-from toothspace.geometry.gear_pair import GearPair, pair_from_backlash
+from toothspace.geometry.gear_pair import GearPair, flank_clearance, pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.involute_gears import InvoluteGears
-from toothspace.geometry.mesh_clearance import flank_clearance
+from toothspace.geometry.involute_gear import InvoluteGears
 
 WIDTH = 1e-2
 SHAPE = DesignReason.FILLET | DesignReason.TIP | DesignReason.NO_INVOLUTE | DesignReason.NO_MESH

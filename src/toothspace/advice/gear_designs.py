@@ -15,7 +15,7 @@ from toothspace.advice import gear_rules as rules
 from toothspace.core.types import Array, IntArray
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, marked
 from toothspace.geometry.gear_pair import LARGEST_OVERLAP, ExternalPair, tight_involute
-from toothspace.geometry.involute_gears import InvoluteGears
+from toothspace.geometry.involute_gear import InvoluteGears
 
 _LARGEST_ANGLE = 1.4
 _NEWTON_STEPS = 60

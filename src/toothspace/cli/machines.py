@@ -135,8 +135,8 @@ def gear(
     from toothspace.core.units import to_si
     from toothspace.geometry.body_section import AXES, SectionRequest
     from toothspace.geometry.cad_import import STEP_SUFFIXES
+    from toothspace.geometry.gear_data import file_report, flank_warnings, likelier_units
     from toothspace.geometry.gear_finder import find_in_files
-    from toothspace.geometry.gear_report import file_report, flank_warnings, likelier_units
 
     file = files[0]
     if unit not in _FILE_UNITS:

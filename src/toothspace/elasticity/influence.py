@@ -2,24 +2,110 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import NamedTuple
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple, final
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
+from toothspace.core.array_store import load_arrays, save_arrays
+from toothspace.core.compiled import cache_root
 from toothspace.core.errors import GeometryError
 from toothspace.core.progress import UNKNOWN, report_share
 from toothspace.core.types import Array, IntArray
-from toothspace.elasticity import storage
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import nodal_masses, stiffness_matrix
-from toothspace.elasticity.influence_matrix import InfluenceMatrix
 from toothspace.elasticity.mesh import SolidMesh
 from toothspace.elasticity.surface_loads import face_points, load_columns
 from toothspace.elasticity.surfaces import FilmSurface, PlaneSurface
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class InfluenceMatrix:
+    r"""Deformation of film surfaces per load.
+
+    Displacements are those of the surface into the body, so they open the film; pressures press
+    into the body. Those of a floating body are relative to its motion as a rigid body.
+
+    Notes
+    -----
+    :math:`u = C \lambda + \sum_k D_k q_k` with nodal loads
+    :math:`\lambda_i = \int \phi_i p\,\mathrm dA`. :math:`C` is symmetric and positive
+    semidefinite.
+    """
+
+    body: ElasticBody = field(repr=False)
+    """What was condensed."""
+    nodes: Array = field(repr=False)
+    """Places of the nodes on their surfaces, shape (n, 2). [m], or [rad] and [m]"""
+    surface: IntArray = field(repr=False)
+    """Index of the film surface that a node belongs to, shape (n,)."""
+    compliance: Array = field(repr=False)
+    """C, shape (n, n). [m/N]"""
+    load_cases: dict[str, Array] = field(repr=False)
+    """D, deformation per unit of each named load, shape (n,). [m/Pa] or [m/N]"""
+    resultants: dict[str, Array] = field(repr=False)
+    """Force and moment about the centre of mass of each unit load. [N, N m per unit]"""
+    rigid_modes: Array = field(repr=False)
+    """Displacement by unit translations along and rotations about x, y, z, shape (n, 6). [-, m]"""
+    mass: float
+    """Mass. [kg]"""
+    center_of_mass: Array
+    """Centre of mass. [m]"""
+    element_count: int
+    """Elements of the mesh. [-]"""
+    error_estimate: float
+    """Largest error of the deformation over its span, from a coarser mesh; NaN if not asked. [-]"""
+
+    def of(self, surface: str) -> slice:
+        """Nodes of a film surface, by its name."""
+        names = [film.name for film in self.body.films]
+        if surface not in names:
+            raise GeometryError("elastic body", f"surface {surface!r}", f"are {names}")
+        place = np.flatnonzero(self.surface == names.index(surface))
+        return slice(int(place[0]), int(place[-1]) + 1)
+
+    def interpolation(self, surface: str, points: Array) -> sp.csr_matrix:
+        """Matrix from the nodes of a surface to points on it; its transpose gathers loads.
+
+        Parameters
+        ----------
+        points : ndarray, shape (k, 2) or (k, 3)
+            Places in the frame of the body. [m]
+        """
+        names = [film.name for film in self.body.films]
+        self.of(surface)
+        return self.body.films[names.index(surface)].interpolation(points)
+
+    def deformation(self, nodal_loads: Array, loads: Mapping[str, float] | None = None) -> Array:
+        """Displacement of the nodes into the body. [m].
+
+        Parameters
+        ----------
+        nodal_loads : ndarray, shape (n,)
+            Loads of the films at the nodes. [N]
+        loads : mapping of str to float, optional
+            Size of named loads. [Pa] or [N]
+        """
+        out = self.compliance @ nodal_loads
+        for name, size in (loads or {}).items():
+            out = out + size * self.load_cases[name]
+        return np.asarray(out)
+
+    def resultant(self, nodal_loads: Array, loads: Mapping[str, float] | None = None) -> Array:
+        """Force and moment about the centre of mass of film loads and named loads. [N, N m]."""
+        out = self.rigid_modes.T @ nodal_loads
+        for name, size in (loads or {}).items():
+            out = out + size * self.resultants[name]
+        return np.asarray(out)
+
 
 COARSER = 1.5
 """Size of the elements of the mesh that the error is estimated with, over that of the body. [-]"""
@@ -71,7 +157,7 @@ def influence_matrix(
     """
     name = f"{body.hash()}-{'estimated' if estimate_error else 'plain'}"
     name += f"-{scale:.4f}" if scale != 1.0 else ""
-    found = storage.load(name, body) if cache else None
+    found = _stored(name, body) if cache else None
     if found is not None:
         return found
     report_share(
@@ -87,7 +173,7 @@ def influence_matrix(
         # a body of a file is called by its file
         raise error.changed(lambda one: one._replace(key=body.shape.label)) from error
     if cache:
-        storage.save(name, result)
+        _store(name, result)
     return result
 
 
@@ -249,3 +335,50 @@ def _probes(matrix: InfluenceMatrix) -> list[Array]:
             loads[own] = pressure
             out.append(matrix.compliance @ loads)
     return out
+
+
+_ARRAYS = ("nodes", "surface", "compliance", "rigid_modes", "center_of_mass")
+
+
+@cache
+def _sources() -> str:
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).resolve().parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def matrix_folder() -> Path:
+    """Folder of the stored matrices, beside that of the compiled code."""
+    return cache_root() / "elasticity"
+
+
+def _path(name: str) -> Path:
+    return matrix_folder() / f"{name}-{_sources()}.npz"
+
+
+def _stored(name: str, body: ElasticBody) -> InfluenceMatrix | None:
+    """Stored matrix of a body, or None."""
+    stored = load_arrays(_path(name))
+    if stored is None:
+        return None
+    names = [entry.name for entry in body.loads]
+    return InfluenceMatrix(
+        body=body,
+        **{key: stored[key] for key in _ARRAYS},
+        load_cases=dict(zip(names, stored["load_cases"], strict=True)),
+        resultants=dict(zip(names, stored["resultants"], strict=True)),
+        mass=float(stored["mass"]),
+        element_count=int(stored["element_count"]),
+        error_estimate=float(stored["error_estimate"]),
+    )
+
+
+def _store(name: str, matrix: InfluenceMatrix) -> None:
+    """Store a matrix."""
+    content: dict[str, Array] = {key: getattr(matrix, key) for key in _ARRAYS}
+    for key in ("load_cases", "resultants"):
+        content[key] = np.array(list(getattr(matrix, key).values()))
+    for key in ("mass", "element_count", "error_estimate"):
+        content[key] = np.asarray(getattr(matrix, key))
+    save_arrays(_path(name), content)

@@ -18,8 +18,7 @@ from scipy.spatial import cKDTree
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.elasticity.mesh import SolidMesh
-from toothspace.elasticity.triangulation import Triangulation, triangulate
+from toothspace.elasticity.mesh import SolidMesh, Triangulation, triangulate
 
 Side = Literal["top", "bottom", "lateral"]
 

@@ -141,7 +141,7 @@ class ElasticFaces:
         """Force and moment of all loads on every body about its centre of mass. [N, N m].
 
         A body in equilibrium on nothing but its films and its named loads has none; what is left
-        accelerates it, see :func:`~toothspace.elasticity.influence_matrix`.
+        accelerates it, see :func:`~toothspace.elasticity.influence`.
         """
         loads, named = self._film_loads(pressures, snapshot), self._kept_loads(snapshot)
         return {

@@ -13,7 +13,7 @@ from toothspace.core.keys import Integer, KeyTable, Number, QuantityKey, Table, 
 from toothspace.core.types import Array, BoolArray
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import TOOTH_KEYS
-from toothspace.geometry.involute_gears import InvoluteGears
+from toothspace.geometry.involute_gear import InvoluteGears
 
 _ROUNDING = 1e-12
 _CHUNK = 8192

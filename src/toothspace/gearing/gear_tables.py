@@ -23,9 +23,8 @@ from toothspace.core.keys import (
 )
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
-from toothspace.geometry.cad_import import is_solid
+from toothspace.geometry.cad_import import is_solid, load_polygons
 from toothspace.geometry.involute import InvoluteGear, tooth_form
-from toothspace.geometry.polygon import load_polygons
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 """Files that may hold a profile."""

@@ -13,10 +13,9 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
-from toothspace.geometry.body_section import BodySection, SectionRequest
+from toothspace.geometry.body_section import BodySection, SectionRequest, axis_frame
 from toothspace.geometry.cad_import import is_solid, load_body_sections, load_closed_curves
 from toothspace.geometry.curve import chord_heights, counter_clockwise, signed_area
-from toothspace.geometry.mesh_section import axis_frame
 from toothspace.geometry.profile_detection import DetectedGear, gear_profile_from_curve
 from toothspace.geometry.tooth_count import area_phase, repeating_teeth
 

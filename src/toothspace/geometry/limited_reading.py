@@ -39,8 +39,7 @@ runpy.run_module("toothspace.geometry.reading_process", run_name="__main__")
 """
 """Program of the process that reads."""
 _MOST_KEPT = 500
-_READING = ("step_import", "solid_import", "dxf_import", "point_file", "limited_reading",
-            "body_section", "mesh_section", "chains", "tooth_count")  # fmt: skip
+_READING = ("step_import", "cad_import", "limited_reading", "body_section", "tooth_count")
 """Modules that a section follows from."""
 
 

@@ -12,10 +12,9 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.body_section import BodySection
+from toothspace.geometry.body_section import BodySection, axis_frame
+from toothspace.geometry.curve import checked_polygon
 from toothspace.geometry.gear_finder import FoundGear
-from toothspace.geometry.mesh_section import axis_frame
-from toothspace.geometry.polygon import checked_polygon
 
 _LEAST_TOWARDS = 0.5
 _LEVEL = 1e-6

@@ -10,9 +10,8 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.body_section import SolidBody
-from toothspace.geometry.chains import chain_closed
-from toothspace.geometry.mesh_section import SurfaceMesh, merged
+from toothspace.geometry.body_section import SolidBody, SurfaceMesh, merged
+from toothspace.geometry.cad_import import chain_closed
 from toothspace.geometry.ocp import silence_ocp
 
 _UNIT = 1e-3

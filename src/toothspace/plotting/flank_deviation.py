@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.geometry.flank_deviation import ProfileDeviation
-from toothspace.geometry.involute_fit import InvoluteFit
+from toothspace.geometry.involute_fit import InvoluteFit, ProfileDeviation
 from toothspace.plotting.style import BLUE, GREY, new_figure, styled
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.geometry.polygon import enclosed
+from toothspace.geometry.curve import enclosed
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
 from toothspace.results.solution import Solution

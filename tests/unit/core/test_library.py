@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -153,6 +154,13 @@ def test_fields_of_recorded_tuples_are_those_of_their_classes() -> None:
         check(parsed(types))
     assert "numerics.structured_grid.CellBalance" in "".join(read_entries().values())
     assert CellBalance._fields
+
+
+def test_every_entry_is_a_compiled_function() -> None:
+    for name in read_entries():
+        module, function = name.rsplit(".", 1)
+        found = getattr(import_module(f"toothspace.{module}"), function, None)
+        assert hasattr(found, "py_func"), f"native/entries.txt: found {name}, which is no function"
 
 
 def check(kind: Scalar | ArrayType | TupleType) -> None:

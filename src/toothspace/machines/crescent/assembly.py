@@ -24,11 +24,13 @@ from toothspace.gearing.meshing import MeshedGears, in_contact, mesh_at_distance
 from toothspace.gearing.ring_gear import (
     InternalPair,
     RingGear,
+    RingProfile,
     pair_from_backlash,
+    profile_outline,
+    profile_tooth,
     ring_outline,
     ring_tooth,
 )
-from toothspace.gearing.ring_profile import RingProfile, profile_outline, profile_tooth
 from toothspace.gearing.tooth import tooth_curves
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_profile import GearProfile

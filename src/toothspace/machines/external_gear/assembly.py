@@ -14,12 +14,12 @@ from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.gear_pair import (
     GearPair,
     flank_clearance,
+    normal_play,
     pair_from_backlash,
     pair_from_center_distance,
 )
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.mesh_clearance import normal_play
 from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
 
 POINTS_PER_TOOTH = 200

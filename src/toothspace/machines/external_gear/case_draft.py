@@ -26,7 +26,7 @@ from toothspace.geometry.gear_finder import (
     axis_distance,
     find_in_files,
 )
-from toothspace.geometry.mesh_clearance import normal_play
+from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.pump_sections import (
     MachineFrame,
     casing_cavity,

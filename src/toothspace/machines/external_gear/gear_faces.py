@@ -12,9 +12,9 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.numbering import Numbering
-from toothspace.gearing.outlines import space_outlines
+from toothspace.gearing.openings import space_outlines
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
-from toothspace.geometry.polygon import enclosed
+from toothspace.geometry.curve import enclosed
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.gear_bodies import BODIES, groove_polygons
 from toothspace.model.description import LumpedLateralFilm

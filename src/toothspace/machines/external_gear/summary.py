@@ -9,7 +9,7 @@ import numpy as np
 from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.spaces import Spaces
-from toothspace.geometry.mesh_clearance import normal_play
+from toothspace.geometry.gear_pair import normal_play
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.profile_quality import (
     profile_quality,

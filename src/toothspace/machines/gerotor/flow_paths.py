@@ -10,7 +10,7 @@ import numpy as np
 
 from toothspace.closures.gap_flow import ring_sector_gap
 from toothspace.core.types import Array
-from toothspace.gearing.chamber_paths import ChamberPaths
+from toothspace.gearing.space_paths import ChamberPaths
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets

@@ -10,8 +10,8 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.curve import polar, turned
-from toothspace.geometry.polygon import enclosed, load_polygons
+from toothspace.geometry.cad_import import load_polygons
+from toothspace.geometry.curve import enclosed, polar, turned
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 

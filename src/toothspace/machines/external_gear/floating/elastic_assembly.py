@@ -11,7 +11,7 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.elasticity.body import ElasticBody
-from toothspace.elasticity.solid_file import SolidFile
+from toothspace.elasticity.mesh import SolidFile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
