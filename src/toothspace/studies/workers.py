@@ -127,7 +127,7 @@ class Workers:
             process.join(_LAST_WAIT)
 
     def _leave(self) -> None:
-        """Leave the cluster; what it still computes for nobody is dropped there."""
+        """Leave the cluster and cancel what it still computes."""
         client, self._client = self._client, None
         client.close(timeout=_LAST_WAIT)
 
