@@ -8,7 +8,6 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
 from operator import attrgetter
 from typing import Any, cast, final
 
@@ -19,6 +18,7 @@ from toothspace.case import Case
 from toothspace.case.conditions import RunSettings
 from toothspace.case.presets import ELASTIC, PRESETS
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.compilation.library import compiler_version
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
@@ -183,7 +183,7 @@ def provenance_of(case: Case) -> dict[str, str]:
         "preset": case.run.fidelity,
         "overrides": "\n".join(case.overrides),
         "python_version": platform.python_version(),
-        "numba_version": version("numba"),
+        "numba_version": compiler_version(),
         "numpy_version": np.__version__,
     }
 
