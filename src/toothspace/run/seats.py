@@ -66,4 +66,4 @@ class SeatSearch:
         samples = np.asarray(found.data["lateral_load_beyond"])
         beyond = float(samples[turning].mean()) if turning.any() else 0.0
         said = found.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
-        return said.with_note(self._unsettled)
+        return said.short_of(self._unsettled)
