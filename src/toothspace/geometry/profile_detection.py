@@ -8,8 +8,6 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import KDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray
@@ -272,6 +270,8 @@ def _bends(points: Array) -> BoolArray:
 
 def _dense(points: Array) -> Array:
     # four points per interval; straight where a spline would swing out
+    from scipy.interpolate import CubicSpline
+
     along = arc_lengths(points)
     count = 4 * (len(points) - 1)
     fine = np.interp(np.arange(count + 1) / 4.0, np.arange(len(along)), along)
@@ -407,6 +407,8 @@ def _center_shift(teeth: Array, phase: float) -> Array:
 
 
 def _tooth_deviations(teeth: Array, median: Array) -> Array:
+    from scipy.spatial import KDTree
+
     normal, _ = _normals(median)
     nearest = KDTree(median)
     largest = []
@@ -573,6 +575,8 @@ def _root_path(
 
 
 def _along(path: Array) -> Callable[[Array], Array]:
+    from scipy.interpolate import CubicSpline
+
     step = np.hypot(*np.diff(path, axis=0).T)
     kept = path[np.concatenate([[True], step > 1e-9])]
     kept[-1] = path[-1]
