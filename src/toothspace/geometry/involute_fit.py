@@ -8,7 +8,6 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import InvoluteFlank
@@ -354,6 +353,8 @@ def _inside(points: FlankPoints, low: float, high: float) -> FlankPoints:
 
 
 def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, high: float) -> Array:
+    from scipy.optimize import least_squares
+
     inside = {side: _inside(points, low, high) for side, points in sides.items()}
     first = [_distance(points.radius, points.angle, start, side) for side, points in inside.items()]
     scale = max(1.4826 * float(np.median(np.abs(np.concatenate(first)))), 1e-9)
