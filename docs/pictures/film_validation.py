@@ -26,7 +26,7 @@ from toothspace.films import (
     RoughSurfaces,
     sweep_friction,
 )
-from toothspace.films.plane.rigid_faces import FaceSetting, solve_faces
+from toothspace.films.plane.ring import FaceSetting, solve_faces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.plotting.style import BLUE, GREEN, INK, ORANGE, styled
 

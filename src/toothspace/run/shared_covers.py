@@ -11,8 +11,12 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import IntArray
 from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
-from toothspace.films.plane.conductance import FaceConductance, FaceResolution, face_conductance
-from toothspace.films.plane.shared_paths import shared_paths
+from toothspace.films.plane.conductance import (
+    FaceConductance,
+    FaceResolution,
+    face_conductance,
+    shared_paths,
+)
 from toothspace.model.description import LumpedLateralFilm, MachineDescription
 from toothspace.model.film_faces import FacePlaces, SharedFaces
 from toothspace.model.operating_point import OperatingCondition
