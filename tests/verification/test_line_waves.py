@@ -15,7 +15,7 @@ from tests.iteration_matrices import jacobian_of
 from toothspace import api
 from toothspace.case import Case
 from toothspace.circuit.circuit import build_circuit
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
+from toothspace.closures.density import liquid_bulk_modulus
 from toothspace.closures.line_friction import memory_branches, memory_transform, turbulent_growth
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError

@@ -17,6 +17,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.arrays import Constants, ContactSurface, Sizes, SystemArrays
+from toothspace.model.chambers import wall_volume
 from toothspace.model.contact_data import (
     contact_parts,
     held_by_contacts,
@@ -50,7 +51,6 @@ from toothspace.model.packed_tables import OPEN, make_members, pack_tables
 from toothspace.model.path_category import PathCategory
 from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.walls import wall_volume
 from toothspace.numerics.ndf_types import FROM_STATE
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between

@@ -1,4 +1,10 @@
-"""From a fluid's name or table to the constants that the right-hand side reads."""
+"""From a fluid's name or table to the constants that the right-hand side reads.
+
+A user's table is a CSV file, separated by commas or semicolons, with a header such as
+``temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]`` and, if known,
+``vapour_pressure [Pa]`` and ``specific_heat_capacity [J/(kg K)]``. Rows of one temperature
+form an isotherm of at least three pressures.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +18,8 @@ from typing import Any, NoReturn, final
 
 import numpy as np
 
+from toothspace.closures.density import clausius_clapeyron_pressure
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import walther_constants, walther_viscosity
 from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError

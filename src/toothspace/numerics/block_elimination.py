@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.numerics.banded import stencil_products
-from toothspace.numerics.krylov import combined, extend, first_column
+from toothspace.numerics.krylov import combined, extend, first_column, norm
 from toothspace.numerics.linear_system import (
     LEAST_CORRECTION,
     PRESCRIBED,
@@ -23,7 +23,6 @@ from toothspace.numerics.linear_system import (
     TIGHT,
     LinearSystem,
 )
-from toothspace.numerics.vectors import norm
 
 _OVERLAP = 24
 """Rows that the cut ring is run through twice, so that it hardly notices the cut. [-]"""

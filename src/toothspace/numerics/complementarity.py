@@ -18,6 +18,7 @@ import numpy as np
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.banded import stencil_product
+from toothspace.numerics.krylov import norm
 from toothspace.numerics.linear_system import (
     LOOSE,
     PRESCRIBED,
@@ -28,7 +29,6 @@ from toothspace.numerics.linear_system import (
     PassSystems,
 )
 from toothspace.numerics.structured_grid import CellBalance, coarsened, grid_shape
-from toothspace.numerics.vectors import norm
 
 
 class Constraint(IntEnum):

@@ -3,13 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import final
+from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.numerics.vectors import add_scaled, dot, norm
+
+
+@njit(nogil=True, fastmath={"contract", "reassoc"})
+def dot(a: Array, b: NDArray[Any]) -> float:
+    """Inner product of two vectors; the second may be in single precision."""
+    total = 0.0
+    for k in range(a.size):
+        total += a[k] * b[k]
+    return total
+
+
+@njit(nogil=True)
+def norm(a: Array) -> float:
+    """Euclidean length of a vector."""
+    return float(dot(a, a) ** 0.5)
+
+
+@njit(nogil=True, fastmath={"contract"})
+def add_scaled(a: Array, factor: float, b: Array) -> None:
+    """Add a multiple of the second vector to the first, in place."""
+    for k in range(a.size):
+        a[k] += factor * b[k]
+
 
 Operator = Callable[[Array], Array]
 

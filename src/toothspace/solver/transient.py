@@ -8,7 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
-from toothspace.closures.set_valued_friction import STUCK, next_direction
+from toothspace.closures.friction import STUCK, next_direction
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status

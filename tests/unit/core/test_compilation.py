@@ -28,7 +28,7 @@ SOURCES = REPOSITORY / "src"
 MOTOR = REPOSITORY / "cases" / "egm12_motor.toml"
 
 USE = (
-    "import numpy as np; from toothspace.numerics.vectors import dot; "
+    "import numpy as np; from toothspace.numerics.krylov import dot; "
     "print(dot(np.arange(3.0), np.arange(3.0)), sum(dot.stats.cache_hits.values()))"
 )
 """Prints 5.0 and whether the compiled code was found on disk."""
