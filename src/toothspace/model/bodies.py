@@ -30,7 +30,8 @@ from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
-from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, REACH, SHEAR_RATIO
+from toothspace.model.lateral_lookup import REACH
+from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 from toothspace.numerics.static_lu import summing_kernel
 

@@ -22,7 +22,7 @@ from toothspace.model.arrays import SystemArrays
 from toothspace.model.circuit import add_elements
 from toothspace.model.contacts import by_shift_and_turn
 from toothspace.model.drive import add_coupling
-from toothspace.model.lateral_table import add_film_rates
+from toothspace.model.lateral_lookup import add_film_rates
 
 
 @kernel

@@ -52,15 +52,8 @@ from toothspace.model.drive import (
     update_fade,
     update_load,
 )
-from toothspace.model.lateral_table import (
-    ASPERITY_STRESS,
-    DRAG_STRESS,
-    REST_STRESS,
-    SHEAR_RATIO,
-    fill_film_rates,
-    fill_film_weights,
-    update_lateral_films,
-)
+from toothspace.model.lateral_lookup import fill_film_rates, fill_film_weights, update_lateral_films
+from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, REST_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import (
     COUPLING,
     FRICTION,

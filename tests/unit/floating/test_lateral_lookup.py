@@ -25,6 +25,7 @@ from toothspace.model.lateral_load import (
     preload_of,
     with_lateral_leakage,
 )
+from toothspace.model.lateral_lookup import fill_film_rates
 from toothspace.model.lateral_table import (
     ASPERITY_STRESS,
     DRAG_STRESS,
@@ -35,7 +36,6 @@ from toothspace.model.lateral_table import (
     MOMENT_SHARE,
     SHEAR_RATIO,
     LateralTable,
-    fill_film_rates,
 )
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
