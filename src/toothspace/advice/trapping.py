@@ -112,8 +112,8 @@ class EnclosedMesh:
     """Gears in mesh."""
     spaces: tuple[Spaces, Spaces]
     """Tooth spaces of both gears over a turn."""
-    mouths: tuple[Mapping[str, Array], Mapping[str, Array]]
-    """Length of the mouth of drive and driven spaces that opens to each port. [m]"""
+    port_openings: tuple[Mapping[str, Array], Mapping[str, Array]]
+    """Length of the port openings of drive and driven spaces. [m]"""
     groove_openings: Callable[[ReliefGrooves, Spaces], Mapping[str, Array]]
     """Area and hydraulic diameter into the groove of each port, for grooves of a size. [m2], [m]"""
     grooves: ReliefGrooves | None
@@ -190,7 +190,7 @@ def _ports(mesh: EnclosedMesh, gear: int) -> dict[str, Opening]:
     grooves: Mapping[str, Array] = {}
     if mesh.grooves is not None:
         grooves = mesh.groove_openings(mesh.grooves, mesh.spaces[gear])
-    for port, length in mesh.mouths[gear].items():
+    for port, length in mesh.port_openings[gear].items():
         area = width * length
         conductance = orifice_conductance(area, 2.0 * area / (width + length), VISCOSITY)
         if port in grooves:

@@ -99,7 +99,7 @@ class Session:
         return self.state()
 
     def state(self) -> dict[str, Any]:
-        """How far the run is: running, share (null if nobody can tell), text, problem, result."""
+        """How far the run is: running, share (null if unknown), text, problem, result."""
         running = self._thread is not None and self._thread.is_alive()
         return {
             "running": running,

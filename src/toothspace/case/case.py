@@ -38,7 +38,7 @@ class Case(CaseTables):
     """Input of one reproducible run.
 
     The keys are what is solved; every construction, :func:`dataclasses.replace` included, checks
-    them. Geometry is built and files are read when somebody asks; :meth:`check` asks. Exactly one
+    them. Geometry is built and files are read on first use; :meth:`check` does both. Exactly one
     of ``operating_point``, ``circuit``, ``bearing`` and ``film`` is not None.
     Cases are equal if their keys are.
 

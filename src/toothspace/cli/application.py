@@ -18,17 +18,28 @@ application = typer.Typer(
 )
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"toothspace {toothspace.__version__}")
-        raise typer.Exit
+def _show_version(context: typer.Context, wanted: bool) -> None:
+    if not wanted:
+        return
+    typer.echo(f"toothspace {toothspace.__version__}")
+    if context.params["verbose"]:
+        from toothspace.core.compilation.library import chosen
+
+        way, reason, _ = chosen()
+        typer.echo(f"compiled code: {way} ({reason})")
+    raise typer.Exit
 
 
 @application.callback()
 def _options(
-    _version: Annotated[
+    verbose: Annotated[  # read by the callback of --version, which comes after it
         bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+        typer.Option(
+            "-v", "--verbose", is_eager=True, help="With --version: where compiled code is from."
+        ),
+    ] = False,
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, help="Show the version.")
     ] = False,
 ) -> None:
     """Simulate hydraulic gear machines."""

@@ -46,7 +46,7 @@ def fluids(as_json: Json = False) -> None:
 
 def warmup(as_json: Json = False) -> None:
     """Compile everything that runs need, once, so that the first run starts at once."""
-    from toothspace.core.compilation.cache import compiled_folder
+    from toothspace.core.compilation.sources import compiled_folder
     from toothspace.warmup import warm_up
 
     output.write(warm_up(), as_json=as_json)

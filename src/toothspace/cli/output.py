@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from toothspace.model.description import DesignCheck
 
 _LINE_EVERY = 10.0
-"""Lines of progress are written at this distance where nobody watches. [s]"""
+"""Interval of progress lines when output is not a terminal. [s]"""
 
 _LONGEST_LIST = 20
 """Longer lists of numbers are shown by their range; JSON and the result hold all."""

@@ -1,4 +1,4 @@
-"""Sequences and mappings that are made when somebody asks for them first."""
+"""Sequences and mappings that are computed on first use."""
 
 from __future__ import annotations
 

@@ -21,6 +21,10 @@ class Status(Enum):
         "The time step fell below its limit. Look at the warnings and at the last events in the "
         "result; check clearances, the timing of the ports and pressures."
     )
+    OUT_OF_MESH = (
+        "A body turned so far from its place in the mesh that its teeth would have skipped: a "
+        "warning says which. Follow it."
+    )
     MAX_STEPS = "The maximum number of steps was reached. Raise run.max_steps."
     NOT_CONVERGED = (
         "An iteration did not converge. Start from a nearby condition or refine the grid."

@@ -1,4 +1,4 @@
-"""Bulk temperature of a film: friction heats the oil, the oil becomes thinner."""
+"""Bulk temperature of a film: friction heats the oil, which lowers its viscosity."""
 
 from __future__ import annotations
 

@@ -13,6 +13,7 @@ from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
+from toothspace.results.startup import tooth_pitch
 from toothspace.results.validity import temperatures_beyond
 
 if TYPE_CHECKING:
@@ -38,6 +39,9 @@ IMPACT_LIMIT = 0.5
 
 CUT_LIMIT = 0.5e-6
 """Depth to which tips may run against a wall, of the order of its roughness. [m]"""
+
+_WHOLE = (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING, Status.NOT_REACHED)
+"""How a run ends whose masses and energies are those of a whole revolution."""
 
 _BAR = 1e5
 _ANY = 0.0, math.inf
@@ -76,6 +80,7 @@ def with_warnings(
         *temperatures_beyond(solution, *temperatures),
         *_numbers(solution),
         *_bodies(solution),
+        *_skipped(solution),
         *_tips(solution.data),
     )
 
@@ -130,8 +135,9 @@ def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
 
 def _numbers(solution: Solution) -> Iterator[Finding]:
     numbers = {k: v for k, v in solution.summary().items() if isinstance(v, int | float)}
-    yield from _efficiencies(numbers)
-    whole = solution.status in (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING)
+    whole = solution.status in _WHOLE
+    if whole:
+        yield from _efficiencies(numbers)
     for name, limit in BALANCE_LIMITS.items():
         value = numbers.get(name, math.nan)
         if value > limit and whole:
@@ -160,6 +166,7 @@ def _efficiencies(numbers: Mapping[str, float]) -> Iterator[Finding]:
             quantity=name,
             found=f"{volumetric:.4f}",
             allowed="up to 1",
+            severity="serious",
             advice=advice,
         )
     if volumetric < 0.0:
@@ -226,6 +233,29 @@ def _bodies(solution: Solution) -> Iterator[Finding]:
                 advice="Set machine.mode to the way the machine runs, or let them follow their "
                 'load, machine.bearing_blocks.motion = "free".',
             )
+
+
+def _skipped(solution: Solution) -> Iterator[Finding]:
+    """A body that turned so far from its place in the mesh that teeth would have skipped."""
+    if solution.status is not Status.OUT_OF_MESH:
+        return
+    turned = by_label(solution.data["body_rotation"][-1])
+    angles = {name: math.degrees(abs(angle)) for name, angle in turned.items()}
+    body = max(angles, key=lambda name: angles[name])
+    pitch = math.degrees(tooth_pitch(solution.data))
+    found = f"{angles[body]:.3g} deg"
+    yield Finding(
+        "warning",
+        f"{body.replace('_', ' ').capitalize()} has turned by {found} from its place in the mesh, "
+        f"at a tooth pitch of {pitch:.3g} deg: nothing holds it to its mate, and the run ends "
+        "there.",
+        quantity="Turning out of the mesh",
+        found=found,
+        allowed=f"up to {0.5 * pitch:.3g} deg",
+        severity="serious",
+        advice="Narrow the play between the teeth: machine.rotors.tip_clearance, or "
+        "machine.gears.normal_backlash.",
+    )
 
 
 def _tips(data: Dataset) -> Iterator[Finding]:

@@ -127,6 +127,14 @@ class Solution:
             warnings=found,
         )
 
+    def short_of(self, told: Finding | str) -> Solution:
+        """Solution that misses what was asked, and says what; an empty text misses nothing."""
+        if not told:
+            return self
+        finding = Finding("warning", told, severity="serious") if isinstance(told, str) else told
+        status = Status.NOT_REACHED if self.status is Status.DONE else self.status
+        return replace(self.with_note(finding), status=status)
+
     @property
     def case(self) -> Any:
         """The case in the result, with its files looked for beside the case file."""

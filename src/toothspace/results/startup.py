@@ -2,14 +2,19 @@ r"""Start-up of a machine: breakaway, start-up pressure and its ratio to running
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toothspace.core.finding import Finding
 from toothspace.core.types import Array
 
 if TYPE_CHECKING:
     import xarray as xr
+
+STANDING = "Turning of a free shaft"
+"""What a shaft that does not turn is about."""
 
 _BAR = 1e5
 _TURN = 2.0 * np.pi
@@ -53,6 +58,41 @@ def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
         "settled_pressure_bar": settled / _BAR,
         "startup_to_settled_ratio": startup / settled if settled else np.nan,
     }
+
+
+def standing(data: xr.Dataset) -> Iterator[Finding]:
+    """Say that a shaft that is free never turned, or stands still although the supply runs.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Rows over time of a machine with a free shaft.
+    """
+    speed, time = np.asarray(data["shaft_speed"]), np.asarray(data["time"])
+    if speed[-1] != 0.0:
+        return
+    pressure = np.asarray(data["pressure_difference"])
+    if not speed.any():
+        reached = f"{float(np.abs(pressure).max()) / _BAR:.4g} bar"
+        text = f"The shaft never turns: friction and load hold it against {reached}."
+    elif float(np.asarray(data["supply_speed"])[-1]) > 0.0:
+        since = float(time[np.flatnonzero(speed)[-1]])
+        reached = f"{float(pressure[-1]) / _BAR:.4g} bar"
+        text = (
+            f"The shaft stands still since {since:.3g} s although the supply runs: friction and "
+            f"load hold it against {reached}."
+        )
+    else:
+        return
+    yield Finding(
+        "warning",
+        text,
+        quantity=STANDING,
+        found="0 rpm",
+        allowed="a shaft that turns",
+        advice="Raise the opening_pressure of the relief valve or the flow of the supply, let "
+        "circuit.duration be longer, or lower the load or the breakaway torque.",
+    )
 
 
 def tooth_pitch(data: xr.Dataset) -> float:

@@ -10,7 +10,7 @@ ideal            preset: kinematic flow and torque
 lumped           presets ``lumped`` and ``films``: chambers until cyclic, or over time
 elastic          preset: lateral films coupled with chambers, floating bearings in balance
 running_in       how deep the gears cut into the casing, computed once and kept
-seats            bearing blocks that sit where the pressures press them
+seats            position of bearing blocks under the pressure forces on them
 film_tables      tables of reduced films in place of closed forms
 solved_films     journal and lateral films of a machine solved on grids
 shared_covers    solved films of bodies that share covers

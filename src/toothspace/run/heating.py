@@ -36,11 +36,13 @@ _REMEMBERED = 1
 _TOO_WARM = (
     "Films that thin with their heat would reach {:.0f} degC, beyond the {:.0f} degC to which the "
     "fluid is known: the numbers are those of films at the temperature of the fluid. Open the "
-    "clearances, lower the speed, or cool the bearings."
+    "clearances, lower operating_point.shaft_speed, or cool the bearings with "
+    "heat.bearing_flushing."
 )
 _NOT_AGREED = (
     "Temperatures still change by {:.2g} K from round to round: the viscosities in the films are "
-    "not those of the temperatures shown."
+    'not those of the temperatures shown. Set heat.model = "network" for temperatures that the '
+    "films do not feel, or change clearances or operating_point.shaft_speed a little."
 )
 
 
@@ -76,7 +78,7 @@ def with_heat(
             break
         if tried.max() >= highest and reached.max() > highest:
             told = _TOO_WARM.format(reached.max() - ZERO_CELSIUS, highest - ZERO_CELSIUS)
-            return with_temperatures(case, description, cold).with_note(told)
+            return with_temperatures(case, description, cold).short_of(told)
         following = mixing.following(tried, reached - tried)
         if done == 0:
             following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)
@@ -86,8 +88,8 @@ def with_heat(
         if solution.status is not Status.DONE:
             return solution
         found = _temperatures(case, description, solution)
-    warning = "" if change < _AGREED else _NOT_AGREED.format(change)
-    return _told(solution, *found).with_note(warning)
+    missed = "" if change < _AGREED else _NOT_AGREED.format(change)
+    return _told(solution, *found).short_of(missed)
 
 
 def with_temperatures(case: Case, description: MachineDescription, solution: Solution) -> Solution:

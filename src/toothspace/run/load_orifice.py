@@ -298,7 +298,8 @@ def first_area(system: System, balance: OutletBalance) -> float:
     fluid, load = system.arrays.fluid, system.condition.load_pressure
     upstream = load + balance.pressure
     density = float(mixture_density(upstream, fluid.feed_gas_mass_fraction, fluid))
-    viscosity = float(dynamic_viscosity(upstream, fluid))
+    ends = dynamic_viscosity(upstream, fluid) * dynamic_viscosity(load, fluid)
+    viscosity = math.sqrt(float(ends))  # a path sees the geometric mean of its ends
 
     def excess(logarithm: float) -> float:
         area = float(np.exp(logarithm))

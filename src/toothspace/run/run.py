@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
 from typing import Any, cast, final
 
 import numpy as np
@@ -14,12 +13,14 @@ import toothspace
 from toothspace.case import Case
 from toothspace.case.presets import ELASTIC
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.compilation.library import compiler_version
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
+from toothspace.results.startup import standing
 from toothspace.run.condition import fluid_temperature
 from toothspace.run.interfaces import interface_models
 from toothspace.run.load_orifice import march_against_orifice
@@ -115,7 +116,7 @@ class Run:
                     history, told = march_to_balance(system, plan, progress, state), ""
                 last = history if history.status is Status.DONE else None
                 found = solution_from(history, self.provenance, self.values, case.title)
-                found = found.with_note(told)
+                found = found.short_of(told)
                 settled = seats.agree_with(found)
             return self._marked(seats.noted(found))
 
@@ -154,12 +155,15 @@ class Run:
             return transient_solution(march, self.provenance, self.values, case.title, progress)
 
         system = assemble(self.machine, self.fluid, self.condition)
-        return self._marked(SeatSearch(self.machine).noted(solve_to_balance(system, solve)))
+        found = solve_to_balance(system, solve)
+        if self.condition.free_shaft is not None and found.status is Status.DONE:
+            found = found.with_note(*standing(found.data))
+        return self._marked(SeatSearch(self.machine).noted(found))
 
     def _marked(self, solution: Solution) -> Solution:
         """Solution that says where its machine is doubtful: places of bodies, a casing half cut."""
         places = self.machine.face_places
-        return self.tracks.marked(solution.with_note("" if places is None else places.warning))
+        return self.tracks.marked(solution.short_of("" if places is None else places.warning))
 
 
 def provenance_of(case: Case) -> dict[str, str]:
@@ -173,6 +177,6 @@ def provenance_of(case: Case) -> dict[str, str]:
         "preset": case.run.fidelity,
         "overrides": "\n".join(case.overrides),
         "python_version": platform.python_version(),
-        "numba_version": version("numba"),
+        "numba_version": compiler_version(),
         "numpy_version": np.__version__,
     }

@@ -1,4 +1,4 @@
-"""Bearing blocks that sit where the pressures press them while lateral films come from a table."""
+"""Position of bearing blocks under their load while lateral films come from a table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _RARELY = 0.01
 _LONGEST_CHANGE = 4.0
 """Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
 _SEAT_ROUNDS, _SEATED = 8, 0.05
-"""Most runs, and difference of leakage, until bearings sit where the pressures press them."""
+"""Most runs, and difference of leakage, until position and load of the bearings agree."""
 _BEYOND = (
     "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
     "counts as its edge: make tables over a wider range."
@@ -66,4 +66,4 @@ class SeatSearch:
         samples = np.asarray(found.data["lateral_load_beyond"])
         beyond = float(samples[turning].mean()) if turning.any() else 0.0
         said = found.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
-        return said.with_note(self._unsettled)
+        return said.short_of(self._unsettled)

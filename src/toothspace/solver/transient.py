@@ -49,7 +49,7 @@ class TimePlan:
 @final
 @dataclass
 class TransientMarch:
-    """A transient run under way: chunks of sampled states, and what happened."""
+    """A transient run in progress: chunks of sampled states, and events."""
 
     system: System
     """Machine with a free shaft."""

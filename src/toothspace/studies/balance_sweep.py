@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NOT_SETTLED = Status.NOT_CONVERGED.name.lower()
 GAPS = (
     np.array([0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.3, 2.7, 3.2, 4, 5, 7, 10, 14, 20]) * 1e-6
 )
@@ -134,6 +135,8 @@ class FilmTable:
     """Numbers of the films over ``GAPS``, names with unit suffix."""
     plane_area: float
     """Area that plane rigid faces would carry. [m2]"""
+    unsettled: tuple[str, ...] = ()
+    """What did not come to its end, in words: the chambers, or the films at a gap."""
 
     def at(self, name: str, gaps: Array) -> Array:
         """Number of the films at gaps. [m to unit of the name]."""
@@ -162,7 +165,7 @@ def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyR
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
     return StudyResult(
-        status=Status.DONE,
+        status=Status.POINTS_FAILED if any(one.unsettled for one in tables) else Status.DONE,
         data=_dataset(study, tables, loops),
         numbers=_numbers(study, tables, loops),
         tables=(_table(study, tables, loops),),
@@ -189,7 +192,8 @@ def film_tables(
         kept = context.records.get(key)
         if kept is None:
             table = _film_table(points, pressure)
-            context.records.add(Record(key, DONE, plain(asdict(table))))
+            told, status = "; ".join(table.unsettled), NOT_SETTLED if table.unsettled else DONE
+            context.records.add(Record(key, status, plain(asdict(table)), told))
         else:
             own: dict[str, Any] = {**kept.numbers, "opening": np.array(kept.numbers["opening"])}
             own["numbers"] = {name: np.array(v) for name, v in own["numbers"].items()}
@@ -209,7 +213,14 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     plane = lateral_problem(run.machine, run.fluid, lumped.data, rigid)
     back, bearing = problem.loads.back, problem.stack.balance.floating
     difference = back.high - back.low
-    rows = [_row(problem, gap) for gap in GAPS]
+    settled = [_row(problem, gap) for gap in GAPS]
+    rows = [row for row, _ in settled]
+    unsettled = [] if lumped.status.succeeded else [f"chambers are {lumped.status.name.lower()}"]
+    unsettled += [
+        f"films at {1e6 * gap:.3g} um do not settle"
+        for gap, (_, found) in zip(GAPS, settled, strict=True)
+        if not found
+    ]
     net = np.array([row.pop("opening_N") for row in rows])
     carried = _opening(plane, plane.started(_PLANE_GAP)) + bearing.preload.size
     return FilmTable(
@@ -219,16 +230,18 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
         problem.loads.friction.coulomb_force,
         {name: np.array([row[name] for row in rows]) for name in rows[0]},
         carried / difference,
+        tuple(unsettled),
     )
 
 
-def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
-    """Opening force without the balanced area, and numbers of the films at one gap."""
+def _row(problem: LateralProblem, gap: float) -> tuple[dict[str, float], bool]:
+    """Opening force without the balanced area, and numbers of the films at one gap; if settled."""
     held = problem.held_at(float(problem.stack.opening @ problem.stack.start(gap)))
     found = settle_bearing(held, held.started(gap))
     own = film_numbers(found.numbers)
     opening = _opening(problem, found.balance)
-    return {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+    numbers = {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+    return numbers, found.equilibrium.settled and found.warm
 
 
 def _opening(problem: LateralProblem, balance: Balance) -> float:
@@ -388,6 +401,11 @@ def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
         "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
         "highest_ratio_all_claims": [max(w) if w else None for w in windows],
         "ratios_with_all_claims": windows,
+        "unsettled": {
+            f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
+            for one in tables
+            if one.unsettled
+        },
     }
 
 

@@ -714,8 +714,13 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
         return balance_sweep.figures(data)
     if "shaft_speed" in data.dims:
         return _map_figures(data)
-    over_nose = float(np.ptp(data["nose_pressure_bar"].values)) > 0.0
-    return _nose_figures(data) if over_nose else _loop_figures(data)
+    if float(np.ptp(data["nose_pressure_bar"].values)) > 0.0:
+        caption = (
+            "Position of the bearing over the nose pressure, one line per condition. Crosses: "
+            "friction left the bearing where it started."
+        )
+        return [StudyFigure("nose_pressure", caption, nose_lines(data)), *film_figures(data)]
+    return _loop_figures(data)
 
 
 def _loop_figures(data: xr.Dataset) -> list[StudyFigure]:
@@ -760,15 +765,6 @@ def film_figures(data: xr.Dataset) -> list[StudyFigure]:
         )
         found.append(StudyFigure("wear", caption, point_maps(data, WEAR)))
     return found
-
-
-def _nose_figures(data: xr.Dataset) -> list[StudyFigure]:
-    """Return positions over the nose pressure, one line per condition."""
-    caption = (
-        "Position of the bearing over the nose pressure, one line per condition. Crosses: friction "
-        "left the bearing where it started."
-    )
-    return [StudyFigure("nose_pressure", caption, nose_lines(data)), *film_figures(data)]
 
 
 @styled

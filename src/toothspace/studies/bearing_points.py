@@ -15,7 +15,7 @@ import numpy as np
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.core.compilation.cache import digest_of_sources
+from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.progress import Progress, part, tell

@@ -117,6 +117,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         if not found.converged:
             status = Status.NOT_CONVERGED
         predicted = model.predicted(found.shares)
+        if status is Status.DONE and not all(np.isfinite(row).all() for row in predicted.values()):
+            status = Status.POINTS_FAILED
     except KeyboardInterrupt:
         status, found, predicted = Status.INTERRUPTED, None, None
     return _result(case, status, _Outcome(axes, measured, used, found, predicted))
@@ -172,7 +174,9 @@ class _Model:
         settings = [s for s, wanted in zip(self.measured.settings, rows, strict=True) if wanted]
         records = self._evaluate([{**s, **v} for v in values for s in settings], summary_numbers)
         return {
-            name: np.array([record.number(name) for record in records]).reshape(len(values), -1)
+            name: np.array(
+                [record.number(name) if record.succeeded else np.nan for record in records]
+            ).reshape(len(values), -1)
             for name in self._known(records)
         }
 

@@ -238,6 +238,8 @@ class _TriedPoints:
 
     def _deviations(self, record: Record) -> list[float]:
         targets = self.study.targets or {}
+        if not record.succeeded:
+            return [math.nan] * len(targets)
         return [(record.number(name) - x) / (abs(x) or 1.0) for name, x in targets.items()]
 
     def best(self) -> int | None:

@@ -7,10 +7,10 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 from toothspace.case import Case, OperatingPoint
-from toothspace.core.compilation.cache import digest_of_sources
+from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.progress import tell
@@ -20,8 +20,11 @@ from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
 from toothspace.studies.study import StudyContext
 from toothspace.studies.workers import WorkerLostError
 
+if TYPE_CHECKING:
+    from toothspace.results.solution import Solution
+
 Evaluate = Callable[[Case], Mapping[str, Any]]
-"""Numbers of one case, with its ``status`` among them.
+"""Numbers of one case, with its ``status`` among them, and ``told`` where there is more to say.
 
 A function of a module, or an object with a text ``label`` that says what it evaluates.
 """
@@ -67,7 +70,14 @@ def summary_numbers(case: Case) -> Mapping[str, Any]:
     """Run a case and return its summary numbers."""
     from toothspace import api
 
-    return api.simulate(case).summary()
+    return numbers_of(api.simulate(case))
+
+
+def numbers_of(solution: Solution) -> Mapping[str, Any]:
+    """Summary numbers, with ``told`` where a run says what it did not reach."""
+    said = next((x.sentence for x in solution.warnings if x.severity == "serious"), "")
+    reached = solution.status is not Status.NOT_REACHED
+    return solution.summary() if reached else {**solution.summary(), "told": said}
 
 
 def point(case: Case, values: Mapping[str, Any]) -> Point:
@@ -185,8 +195,9 @@ def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
     try:
         numbers = dict(evaluate(case))
         status, message = str(numbers.pop("status")), ""
+        told = str(numbers.pop("told", ""))
         if status in {s.name.lower() for s in Status} - {"done"}:
-            message = Status[status.upper()].value
+            message = told or Status[status.upper()].value
     except CaseError as error:
         numbers, status, message = {}, BAD_INPUT, str(error)
     except Exception as error:  # one point that fails must not end a long study

@@ -11,7 +11,7 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, final
 
-from toothspace.core.compilation.cache import digest_of_sources
+from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.processes import safe_start, start_worker
 
@@ -127,7 +127,7 @@ class Workers:
             process.join(_LAST_WAIT)
 
     def _leave(self) -> None:
-        """Leave the cluster; what it still computes for nobody is dropped there."""
+        """Leave the cluster and cancel what it still computes."""
         client, self._client = self._client, None
         client.close(timeout=_LAST_WAIT)
 

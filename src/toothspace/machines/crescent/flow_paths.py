@@ -42,7 +42,7 @@ def flow_paths(
     for gear, own in enumerate(tooth_spaces(assembly, numbering, spaces)):
         edges, gap = filler_edges(assembly, gear), spec.lateral.side_gap
         paths.append(_tip_path(assembly, own))
-        paths.extend(own.mouths((edges.inlet, edges.outlet)))
+        paths.extend(own.port_openings((edges.inlet, edges.outlet)))
         if spec.filler.notch is not None:
             paths.extend(
                 own.openings("notch", {"outlet": notch_opening(assembly, own, spec.filler.notch)})

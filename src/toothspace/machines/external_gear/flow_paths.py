@@ -50,7 +50,7 @@ def flow_paths(
         paths.append(
             own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
         )
-        paths.extend(own.mouths((casing.inlet_angle, casing.outlet_angle)))
+        paths.extend(own.port_openings((casing.inlet_angle, casing.outlet_angle)))
         paths.extend(own.openings("groove", grooves_by_port(assembly, spaces[gear])))
         paths.append(own.lateral(lateral.leakage_height, profile.tooth_space_area))
         # a tilt raises the height of the land between tooth root and shaft
@@ -89,8 +89,8 @@ def bore_cover(assembly: Assembly, gear: int, places: Array) -> Array:
     return np.asarray(smooth_step(entered) * smooth_step(left), dtype=float)
 
 
-def mouth_lengths(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
-    """Length of the mouth of the tooth spaces of a gear that opens to each port. [m]."""
+def port_opening_lengths(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
+    """Length of the port openings of the tooth spaces of a gear. [m]."""
     casing = bore(assembly, 0 if spaces.is_drive else 1)
     lengths = port_lengths(spaces, (casing.inlet_angle, casing.outlet_angle))
     return dict(zip(("inlet", "outlet"), lengths, strict=True))

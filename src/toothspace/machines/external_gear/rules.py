@@ -1,4 +1,4 @@
-"""Design rules of an external gear machine, asked when somebody wants to know."""
+"""Design rules of an external gear machine, computed on request."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.meshing import contact_ratio, displacement
 from toothspace.gearing.spaces import Spaces
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
+from toothspace.machines.external_gear.flow_paths import grooves_by_port, port_opening_lengths
 from toothspace.machines.external_gear.profile_quality import profile_checks
 from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
 
@@ -61,7 +61,10 @@ def enclosed_mesh(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> Enclosed
     return EnclosedMesh(
         gears=assembly,
         spaces=spaces,
-        mouths=(mouth_lengths(assembly, spaces[0]), mouth_lengths(assembly, spaces[1])),
+        port_openings=(
+            port_opening_lengths(assembly, spaces[0]),
+            port_opening_lengths(assembly, spaces[1]),
+        ),
         groove_openings=partial(_groove_openings, assembly),
         grooves=spec.grooves,
         tip_rounding=min(spec.drive.tip_rounding, spec.driven.tip_rounding),

@@ -134,7 +134,7 @@ def _timing_checks(pocket: Pockets, timing: Timing) -> tuple[DesignCheck, ...]:
         DesignCheck(
             "area that joins both ports through a pocket", joined * 1e6, "mm2", "below 0.2 mm2",
             joined < _LARGEST_JOINED_AREA,
-            "A pocket open to both ports short-circuits them: widen the lands.",
+            "A pocket open to both ports is a cross-port leakage: widen the lands.",
         ),
         DesignCheck(
             "volume change of a sealed pocket over the largest pocket", 100.0 * trapped, "%",
