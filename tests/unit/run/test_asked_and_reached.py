@@ -137,8 +137,8 @@ def test_an_elastic_run_keeps_what_its_temperatures_miss(monkeypatch: pytest.Mon
         missed: Solution = cold.short_of("Films would be too warm.")
         return missed
 
-    monkeypatch.setattr(coupled_run, "couple_point", lambda *_: next(made))
-    monkeypatch.setattr(coupled_run, "_with_films", films)
+    monkeypatch.setattr(coupling, "couple_point", lambda *_: next(made))
+    monkeypatch.setattr(coupling, "_with_films", films)
     request = PointRequest(settings=cast(Any, None), start=1e-6)
     anything = cast(Any, None)
     found = coupling.coupled_solution(anything, anything, anything, request, 1, heated=heated)
