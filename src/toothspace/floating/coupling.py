@@ -9,10 +9,10 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.floating.elastic_faces import face_deflection
 from toothspace.floating.heat import SettledBearing, settle_bearing
 from toothspace.floating.housing_friction import HousingFriction

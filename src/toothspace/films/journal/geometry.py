@@ -18,9 +18,9 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.compiled import njit
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.fluid import CAVITATION, FilmFluid
