@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
+import scipy
 
 from toothspace.core.types import Array, BoolArray
 
@@ -82,7 +81,7 @@ def contour(points: Array) -> Contour:
     closed = np.vstack([points[:1], closed[1:][steps > 1e-9]])
     closed[-1] = closed[0]
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-    spline = CubicSpline(along, closed, bc_type="periodic")
+    spline = scipy.interpolate.CubicSpline(along, closed, bc_type="periodic")
     length = float(along[-1])
     places = np.arange(_SAMPLES) * (length / _SAMPLES)
-    return Contour(length, spline, cKDTree(spline(places)))
+    return Contour(length, spline, scipy.spatial.cKDTree(spline(places)))
