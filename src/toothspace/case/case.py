@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 from toothspace.case.case_tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
 from toothspace.case.document import (
@@ -25,8 +25,12 @@ from toothspace.case.shipped import shipped_case
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of
 from toothspace.core.keys import FileText, Problems, Source, Table, shown
+from toothspace.core.registry import view
 from toothspace.core.units import as_text
 from toothspace.library import shipped_folder
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _KEPT_MACHINES = 16
 _machines: dict[str, Any] = {}
@@ -290,10 +294,45 @@ class Case(CaseTables):
         shipped = self.source is None or self.source.parent == shipped_folder("cases")
         return self.name if shipped else str(self.source)
 
+    @property
+    def plot(self) -> MachineFigures:
+        """Figures of the machine before any run, such as ``case.plot.section()``."""
+        if self.machine is None:
+            raise CaseError("machine", "none", "a case with a [machine] table")
+        return MachineFigures(self)
+
+    def _repr_html_(self) -> str:
+        card: str = view("case_card")(self)
+        return card
+
     def __repr__(self) -> str:
         condition = next(name for name in CONDITIONS if getattr(self, name) is not None)
         machine = f"{self.machine_type} {self.machine.mode}, " if self.machine else ""
         return f"<Case {self.title!r}: {machine}{condition}, {self.run.fidelity}>"
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MachineFigures:
+    """Figures of the machine of a case; each is an object of Matplotlib."""
+
+    case: Case
+
+    def section(self, shaft_angle: float = 0.0) -> Figure:
+        """Section with ports, grooves and bearings at a shaft angle [rad]."""
+        return self._drawn("section", shaft_angle=shaft_angle)
+
+    def volumes(self) -> Figure:
+        """Volume of a chamber and its slope over the chamber's own angle."""
+        return self._drawn("volumes")
+
+    def openings(self) -> Figure:
+        """Open areas of a chamber to ports and grooves over its own angle."""
+        return self._drawn("openings")
+
+    def _drawn(self, name: str, **options: float) -> Figure:
+        figure: Figure = view("machine_figure")(view("describe")(self.case), name, **options)
+        return figure
 
 
 def _require_table(name: str, given: object) -> None:

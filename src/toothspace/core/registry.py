@@ -139,12 +139,15 @@ STUDY_KEYS = Declared(
 VIEWS: Mapping[str, str] = {
     "case": "toothspace.api:case_of",
     "machine": "toothspace.api:machine_of",
+    "describe": "toothspace.api:describe",
     "findings": "toothspace.advice.findings:findings_of",
     "figures": "toothspace.plotting.catalogue:available_figures",
+    "machine_figure": "toothspace.plotting.catalogue:machine_figure",
     "report": "toothspace.report:write_report",
     "card": "toothspace.report.card:solution_card",
+    "case_card": "toothspace.report.card:case_card",
 }
-"""Functions of a solution in rooms above the results, which therefore import none of them."""
+"""Functions of a case or a solution in rooms above them, which they therefore do not import."""
 
 
 def view(name: str) -> Any:

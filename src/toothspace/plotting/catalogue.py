@@ -267,6 +267,16 @@ def available_figures(
     return [entry for entry in FIGURES if _possible(entry, solution, description)]
 
 
+def machine_figure(description: MachineDescription, name: str, **options: Any) -> Figure:
+    """Draw a machine before any run: ``section``, ``volumes`` or ``openings``."""
+    draw = {
+        "section": section.machine_section,
+        "volumes": geometry.volumes,
+        "openings": geometry.openings,
+    }
+    return draw[name](description, **options)
+
+
 def _possible(
     entry: FigureEntry, solution: Solution, description: MachineDescription | None
 ) -> bool:
