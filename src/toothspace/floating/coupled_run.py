@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.floating.body_loads import face_deflection
 from toothspace.floating.coupling import (
     CoupledPoint,

@@ -12,9 +12,9 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import walther_constants, walther_viscosity
-from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
+from toothspace.core.units import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.library import load_fluid
 from toothspace.model.fluid_table import ROUNDING, LiquidState, fit_table, table_temperatures
 

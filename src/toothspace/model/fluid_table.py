@@ -17,11 +17,10 @@ from typing import NoReturn, final
 
 import numpy as np
 
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.core.types import Array
-from toothspace.core.units import compatible, to_si
+from toothspace.core.units import ZERO_CELSIUS, compatible, to_si
 
 REQUIRED = {"temperature": "K", "pressure": "Pa", "density": "kg/m^3", "dynamic_viscosity": "Pa s"}
 """Columns that a table must have, and the unit they are read in."""

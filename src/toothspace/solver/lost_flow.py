@@ -24,7 +24,7 @@ from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.path_category import LEAKAGES
-from toothspace.results.lost_flow import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
+from toothspace.results.performance import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
 from toothspace.solver.compiled_model import Observation
 from toothspace.solver.cyclic import History
 from toothspace.solver.look import Look

@@ -10,11 +10,10 @@ import numpy as np
 
 from toothspace.closures.set_valued_friction import STUCK, next_direction
 from toothspace.core.progress import Progress
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
-from toothspace.results.events import Event
 from toothspace.solver.compiled_model import hold_shaft
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, start_march

@@ -9,10 +9,9 @@ import numpy as np
 
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.progress import Progress
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System, node_places
-from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from

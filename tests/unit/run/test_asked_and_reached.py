@@ -19,7 +19,8 @@ from toothspace.floating import coupled_run
 from toothspace.floating.coupling import PointRequest
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
-from toothspace.run import heating, running_in, seats
+from toothspace.run import heating, running_in
+from toothspace.run import run as runs
 from toothspace.run.running_in import Tracks
 from toothspace.studies.points import evaluate_points, point
 from toothspace.studies.startup import started
@@ -95,8 +96,8 @@ def test_a_track_within_two_percent_is_run_in() -> None:
 
 def test_seats_that_do_not_agree_are_not_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     table = SimpleNamespace(seat_factor=1.0)
-    monkeypatch.setattr(seats, "replace", lambda thing, **changes: thing)
-    search = seats.SeatSearch(cast(MachineDescription, SimpleNamespace(lateral_table=table)))
+    monkeypatch.setattr(runs, "replace", lambda thing, **changes: thing)
+    search = runs.SeatSearch(cast(MachineDescription, SimpleNamespace(lateral_table=table)))
     data = xr.Dataset(
         {
             "lateral_leakage_factor": ("s", [2.0]),

@@ -7,8 +7,8 @@ from numbers import Real
 
 import numpy as np
 
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.fluid import FilmFluid
