@@ -68,7 +68,6 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "floating/between_covers.py",
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
-    "bearing blocks that follow their load": ("model/free_motions.py",),
     "design rules of cross-port leakage": ("advice/trapping.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip

@@ -33,7 +33,7 @@ from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.gear_finder import find_gears
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.tooth_deviations import read_tooth_deviations
-from toothspace.model.fluid_table import fit_table
+from toothspace.model.fluid import fit_table
 from toothspace.results.solution import load_solution
 
 CASES = Path(__file__).resolve().parent.parent / "cases"

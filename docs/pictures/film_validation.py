@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from toothspace import api
 from toothspace.closures.journal_friction import PUBLISHED_CURVE
 from toothspace.films import FilmFluid, JournalBearing, LateralFilm
-from toothspace.films.plane.rigid_faces import FaceSetting, solve_faces
+from toothspace.films.plane.ring import FaceSetting, solve_faces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.plotting.style import BLUE, GREEN, INK, ORANGE, styled
 from toothspace.validation.claim import columns, data_file

@@ -14,7 +14,7 @@ from tests.crescent_designs import crescent
 from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.gearing.closest_points import (
+from toothspace.gearing.mesh_split import (
     FREE,
     Closest,
     Placement,

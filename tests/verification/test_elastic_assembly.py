@@ -18,8 +18,7 @@ from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
-from toothspace.floating.body_loads import BodyLoads
-from toothspace.floating.elastic_faces import ElasticFaces
+from toothspace.floating.elastic_faces import BodyLoads, ElasticFaces
 from toothspace.floating.problem import lateral_problem
 from toothspace.floating.stack import BackPressure, Snapshot
 from toothspace.gearing.materials import Material

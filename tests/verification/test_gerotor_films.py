@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from toothspace import api
-from toothspace.closures.squeeze_film import squeeze_damping
+from toothspace.closures.contact_law import squeeze_damping
 from toothspace.core.types import Array
 from toothspace.films.journal.rim_film import rim_paths, sector_family
 from toothspace.films.plane.conductance import (

@@ -15,7 +15,7 @@ from toothspace.model.paths import by_kind
 from toothspace.results.performance import parts_of
 from toothspace.run import run as lumped
 from toothspace.solver import outcome
-from toothspace.solver.look import Look
+from toothspace.solver.lost_flow import Look
 
 LITRES = 6e4
 CLEARANCES = (30.0, 32.0, 34.0, 36.0, 38.0, 40.0, 45.0)

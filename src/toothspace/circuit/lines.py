@@ -31,8 +31,7 @@ from toothspace.circuit.network import (
     law_columns,
 )
 from toothspace.circuit.restrictions import Resistance
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
-from toothspace.closures.density import mixture_density
+from toothspace.closures.density import liquid_bulk_modulus, mixture_density
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.line_friction import (
     CRITICAL_REYNOLDS,

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
-from toothspace.floating.coupled_run import coupled_solution
-from toothspace.floating.coupling import PointRequest
+from toothspace.floating.coupling import PointRequest, coupled_solution
 from toothspace.floating.problem import (
     NO_FLOATING_PART,
     LateralSettings,

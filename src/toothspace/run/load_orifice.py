@@ -33,7 +33,7 @@ from toothspace.core.types import Array
 from toothspace.core.units import format_si
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
-from toothspace.model.walls import wall_volume
+from toothspace.model.chambers import wall_volume
 from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
 from toothspace.solver.accuracy import balanced

@@ -34,8 +34,7 @@ from toothspace.run.running_in import Tracks, run_in
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
 from toothspace.solver.outcome import solution_from
-from toothspace.solver.transient import TimePlan, TransientMarch
-from toothspace.solver.transient_outcome import transient_solution
+from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
 
 @final

@@ -23,8 +23,8 @@ from toothspace.films.plane.conductance import (
     face_conductance,
     gap_table,
     over_turn,
+    shared_paths,
 )
-from toothspace.films.plane.shared_paths import shared_paths
 from toothspace.model.description import (
     FlowPath,
     LumpedJournalBearing,

@@ -29,8 +29,13 @@ from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.shaft_motion import OrbitSettings, shaft_orbit
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import Pad, PadSolution, Pocket
-from toothspace.films.plane.rigid_faces import FaceFilms, FaceSetting, solve_faces
-from toothspace.films.plane.ring import LateralFilm, LateralSolution
+from toothspace.films.plane.ring import (
+    FaceFilms,
+    FaceSetting,
+    LateralFilm,
+    LateralSolution,
+    solve_faces,
+)
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.thermal import solve_heated
 from toothspace.model.description import MachineDescription

@@ -17,7 +17,7 @@ from native.signatures import ArrayType, Scalar, TupleType, parsed, read_entries
 from toothspace.core.compilation import library
 from toothspace.core.compilation.entry import Entry
 from toothspace.core.compilation.library import Way, chosen
-from toothspace.model.walls import wall_volume
+from toothspace.model.chambers import wall_volume
 from toothspace.numerics.structured_grid import CellBalance
 from toothspace.numerics.vectors import norm
 

@@ -20,9 +20,9 @@ from tests.external_gear_designs import (
 )
 from toothspace.api import describe, load_case
 from toothspace.core.errors import CaseError, GeometryError
-from toothspace.gearing.closest_points import Placement, project
 from toothspace.gearing.gear_face import tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
+from toothspace.gearing.mesh_split import Placement, project
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import port_lengths
 from toothspace.gearing.tooth import (

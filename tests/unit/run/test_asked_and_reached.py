@@ -15,7 +15,7 @@ from tests.fake_solution import fake_solution
 from toothspace import api
 from toothspace.case import Case, load_case
 from toothspace.core.status import Status
-from toothspace.floating import coupled_run
+from toothspace.floating import coupling
 from toothspace.floating.coupling import PointRequest
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
@@ -138,11 +138,11 @@ def test_an_elastic_run_keeps_what_its_temperatures_miss(monkeypatch: pytest.Mon
         missed: Solution = cold.short_of("Films would be too warm.")
         return missed
 
-    monkeypatch.setattr(coupled_run, "couple_point", lambda *_: next(made))
-    monkeypatch.setattr(coupled_run, "_with_films", films)
+    monkeypatch.setattr(coupling, "couple_point", lambda *_: next(made))
+    monkeypatch.setattr(coupling, "_with_films", films)
     request = PointRequest(settings=cast(Any, None), start=1e-6)
     anything = cast(Any, None)
-    found = coupled_run.coupled_solution(anything, anything, anything, request, 1, heated=heated)
+    found = coupling.coupled_solution(anything, anything, anything, request, 1, heated=heated)
     assert found.status is Status.NOT_REACHED
     assert taken == [points[0]]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from toothspace.closures.set_valued_friction import STUCK, next_direction
+from toothspace.closures.friction import STUCK, next_direction
 from toothspace.core.types import Array
 from toothspace.validation.claim import data_file
 
