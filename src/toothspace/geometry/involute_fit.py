@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from toothspace.core.types import Array
@@ -353,7 +354,6 @@ def _inside(points: FlankPoints, low: float, high: float) -> FlankPoints:
 
 
 def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, high: float) -> Array:
-    from scipy.optimize import least_squares
 
     inside = {side: _inside(points, low, high) for side, points in sides.items()}
     first = [_distance(points.radius, points.angle, start, side) for side, points in inside.items()]
@@ -370,7 +370,7 @@ def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, hi
 
     bounds = (np.array([0.3 * high / start[0], -np.pi, -np.pi]),
               np.array([0.9999 * high / start[0], np.pi, np.pi]))  # fmt: skip
-    solution = least_squares(
+    solution = scipy.optimize.least_squares(
         residuals, start / size, bounds=bounds, loss="soft_l1", xtol=1e-14, ftol=1e-14, gtol=1e-14
     )
     return np.asarray(solution.x * size)

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+import scipy
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray
@@ -270,15 +271,13 @@ def _bends(points: Array) -> BoolArray:
 
 def _dense(points: Array) -> Array:
     # four points per interval; straight where a spline would swing out
-    from scipy.interpolate import CubicSpline
-
     along = arc_lengths(points)
     count = 4 * (len(points) - 1)
     fine = np.interp(np.arange(count + 1) / 4.0, np.arange(len(along)), along)
     straight = np.column_stack([np.interp(fine, along, points[:, axis]) for axis in (0, 1)])
     if len(points) < 5:
         return straight
-    smooth = np.asarray(CubicSpline(along, points)(fine))
+    smooth = np.asarray(scipy.interpolate.CubicSpline(along, points)(fine))
     interval = np.repeat(np.diff(along), 4)
     swing = np.hypot(*(smooth - straight).T)[:-1] > 0.1 * interval
     chosen = np.where(np.append(swing, False)[:, None], straight, smooth)
@@ -407,10 +406,8 @@ def _center_shift(teeth: Array, phase: float) -> Array:
 
 
 def _tooth_deviations(teeth: Array, median: Array) -> Array:
-    from scipy.spatial import KDTree
-
     normal, _ = _normals(median)
-    nearest = KDTree(median)
+    nearest = scipy.spatial.KDTree(median)
     largest = []
     for tooth in teeth:
         index = nearest.query(tooth[::4])[1]
@@ -575,8 +572,6 @@ def _root_path(
 
 
 def _along(path: Array) -> Callable[[Array], Array]:
-    from scipy.interpolate import CubicSpline
-
     step = np.hypot(*np.diff(path, axis=0).T)
     kept = path[np.concatenate([[True], step > 1e-9])]
     kept[-1] = path[-1]
@@ -585,5 +580,5 @@ def _along(path: Array) -> Callable[[Array], Array]:
         return lambda u: np.column_stack(
             [np.interp(u * along[-1], along, kept[:, axis]) for axis in (0, 1)]
         )
-    spline = CubicSpline(along, kept)
+    spline = scipy.interpolate.CubicSpline(along, kept)
     return lambda u: np.asarray(spline(u * along[-1]))
