@@ -88,10 +88,8 @@ def main() -> None:
     rooms = Counter(file.split("/")[0] for file, *_ in trace.functions)
     files = {file for file, *_ in trace.functions}
     declared = len(trace.functions) - len(trace.met)
-    print(
-        f"{given.case}: {len(trace.functions)} functions in {len(files)} files, {declared} of them"
-    )
-    print("called by modules alone that are imported")
+    print(f"{given.case}: {len(trace.functions)} functions in {len(files)} files;")
+    print(f"{declared} of them are called only while modules are imported")
     print(", ".join(f"{room} {count}" for room, count in rooms.most_common()))
     print(f"{len(trace.way)} frames before the integrator: {' > '.join(trace.way)}")
     if given.list:
