@@ -163,13 +163,7 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
         for first, last in pairwise(cuts)
     ]
     coefficients = np.ascontiguousarray(np.vstack(pieces))
-    area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
-    x, y = np.sign(tip_radius) * points[-1]
-    corner = float(np.arctan2(y, x))
-    return Flank(knots, coefficients, area, side, corner, tip_radius)
-
-
-def _segment_areas(knots: Array, coefficients: Array) -> Array:
+    # area that every segment sweeps about the centre: three Gauss points are exact for cubics
     steps = np.diff(knots)
     nodes, weights = np.polynomial.legendre.leggauss(3)
     total = np.zeros_like(steps)
@@ -181,7 +175,10 @@ def _segment_areas(knots: Array, coefficients: Array) -> Array:
         dx = c[1] + t * (2.0 * c[2] + 3.0 * t * c[3])
         dy = c[5] + t * (2.0 * c[6] + 3.0 * t * c[7])
         total += 0.25 * steps * weight * (x * dy - y * dx)
-    return total
+    area = np.concatenate([[0.0], np.cumsum(total)])
+    x, y = np.sign(tip_radius) * points[-1]
+    corner = float(np.arctan2(y, x))
+    return Flank(knots, coefficients, area, side, corner, tip_radius)
 
 
 @inlined

@@ -106,23 +106,17 @@ def find_gears(
     with reading(path, "the closed outline of a gear with equal teeth"):
         if is_solid(path):
             return _gears_of_solids(path, unit, request or SectionRequest())
-        return _gears_of_curves(path, unit, layer, tooth_count)
-
-
-def _gears_of_curves(
-    path: Path | Points, unit: float, layer: str | None, tooth_count: int | None
-) -> FileContents:
-    curves = load_closed_curves(path, unit, layer=layer)
-    toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
-    if tooth_count is not None or not toothed:
-        toothed = curves[:1]
-    gears = []
-    for curve in toothed:
-        detected = gear_profile_from_curve(curve, key=str(path), tooth_count=tooth_count)
-        center = np.array([*detected.center, 0.0])
-        axis = np.array([0.0, 0.0, 1.0])
-        gears.append(FoundGear(path, "", detected, None, axis, center, None, 0.0, 0.0))
-    return FileContents(_by_size(gears), ())
+        curves = load_closed_curves(path, unit, layer=layer)
+        toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
+        if tooth_count is not None or not toothed:
+            toothed = curves[:1]
+        gears = []
+        for curve in toothed:
+            detected = gear_profile_from_curve(curve, key=str(path), tooth_count=tooth_count)
+            center = np.array([*detected.center, 0.0])
+            axis = np.array([0.0, 0.0, 1.0])
+            gears.append(FoundGear(path, "", detected, None, axis, center, None, 0.0, 0.0))
+        return FileContents(_by_size(gears), ())
 
 
 def find_in_files(

@@ -409,24 +409,20 @@ def _checked(pair: GearPair) -> GearPair:
             "tip_diameter", f"a contact ratio of {pair.contact_ratio:.3f}", "above 0"
         )
     if min(pair.involute_margins) < 0.0:
-        _check_overlap(pair)
+        # a tip below the involute may still clear the fillet
+        drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
+        distance = np.array([pair.center_distance])
+        play = np.minimum(
+            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
+        ).item()
+        if play < -LARGEST_OVERLAP:
+            tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
+            raise GeometryError(
+                "tip_diameter",
+                f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
+                "smaller tips or a larger profile_shift",
+            )
     return pair
-
-
-def _check_overlap(pair: GearPair) -> None:
-    # a tip below the involute may still clear the fillet
-    drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
-    distance = np.array([pair.center_distance])
-    play = np.minimum(
-        drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
-    ).item()
-    if play < -LARGEST_OVERLAP:
-        tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
-        raise GeometryError(
-            "tip_diameter",
-            f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
-            "smaller tips or a larger profile_shift",
-        )
 
 
 def flank_clearance(

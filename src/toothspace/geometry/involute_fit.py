@@ -256,7 +256,14 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
     for _ in range(_ROUNDS):
         unknowns = _least_squares(sides, unknowns, low, high)
         nodes = {side: _nodes(sides[side], unknowns, side) for side in sides}
-        tolerance = _tolerance(nodes, low, high, height)
+        # the ends allow a multiple of the error of the flank found so far
+        inner = [
+            distance[(radius >= low) & (radius <= high)] for radius, distance in nodes.values()
+        ]
+        distance = np.abs(np.concatenate(inner))
+        error = float(np.quantile(distance, _MOST_OF_THEM)) if len(distance) else 0.0
+        least = _LEAST_TOLERANCE[len(distance) >= _MANY_NODES]
+        tolerance = max(_ERROR_FACTOR * error, least * height)
         ends = [_ends(*nodes[side], unknowns[0], tolerance, height, (low, high)) for side in nodes]
         found = max(end[0] for end in ends), min(end[1] for end in ends)
         if found[1] - found[0] < _SHORTEST * height:
@@ -385,16 +392,6 @@ def _nodes(points: FlankPoints, unknowns: Array, side: float) -> tuple[Array, Ar
     pairs = list(pairwise(edges))
     radius = np.array([np.median(points.radius[a:b]) for a, b in pairs])
     return radius, np.array([np.median(distance[a:b]) for a, b in pairs])
-
-
-def _tolerance(
-    nodes: dict[float, tuple[Array, Array]], low: float, high: float, height: float
-) -> float:
-    inner = [distance[(radius >= low) & (radius <= high)] for radius, distance in nodes.values()]
-    distance = np.abs(np.concatenate(inner))
-    error = float(np.quantile(distance, _MOST_OF_THEM)) if len(distance) else 0.0
-    least = _LEAST_TOLERANCE[len(distance) >= _MANY_NODES]
-    return max(_ERROR_FACTOR * error, least * height)
 
 
 def _ends(

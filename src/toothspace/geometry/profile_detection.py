@@ -113,7 +113,18 @@ def gear_profile_from_curve(
     """
     checked = checked_polygon(points, key)
     if tooth_count is not None and _polar_span(checked) < 1.5 * 2.0 * np.pi / tooth_count:
-        return _single_pitch(checked, tooth_count, points_per_tooth, key)
+        # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
+        radius = np.hypot(checked[:, 0], checked[:, 1])
+        outer = checked[radius > 1e-6 * radius.max()]
+        toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
+        upright = turned(outer, -toward)
+        radius = np.hypot(upright[:, 0], upright[:, 1])
+        angle = np.arctan2(upright[:, 1], upright[:, 0])
+        first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
+        last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
+        path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
+        found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
+        return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
     # the closed curve is cut at a corner or, without any, at an ordinary point
     corners = np.flatnonzero(_bends(np.vstack([checked[-1:], checked, checked[:1]])))
     rolled = np.roll(checked, -int(corners[0]) if len(corners) else 0, axis=0)
@@ -131,12 +142,20 @@ def gear_profile_from_curve(
     turn = _flank_symmetry(median)
     folded = folded_points(checked - center, teeth_found, phase + turn)
     found = _found(turned(median, -turn), folded, teeth_found, points_per_tooth)
+    # the largest distance of every tooth from the median one
+    normal, _ = _normals(median)
+    nearest = KDTree(median)
+    largest = []
+    for tooth in teeth:
+        index = nearest.query(tooth[::4])[1]
+        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
+        largest.append(float(np.abs(gap).max()))
     return replace(
         found,
         center=(float(center[0]), float(center[1])),
         phase=float((phase + turn + found.phase) % (2.0 * np.pi / teeth_found)),
         chord_height=_chord_height(checked - center),
-        tooth_deviation=_tooth_deviations(teeth, median),
+        tooth_deviation=np.array(largest),
         deviations=_flank_deviations(teeth, turn, found),
     )
 
@@ -239,20 +258,6 @@ def _polar_span(points: Array) -> float:
     angle = np.sort(np.arctan2(outer[:, 1], outer[:, 0]))
     gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
     return float(2.0 * np.pi - gaps.max())
-
-
-def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: str) -> DetectedGear:
-    # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
-    radius = np.hypot(points[:, 0], points[:, 1])
-    outer = points[radius > 1e-6 * radius.max()]
-    toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
-    upright = turned(outer, -toward)
-    radius, angle = np.hypot(upright[:, 0], upright[:, 1]), np.arctan2(upright[:, 1], upright[:, 0])
-    first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
-    last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
-    path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
-    found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
-    return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
 
 
 def _smooth_open(points: Array) -> Array:
@@ -404,17 +409,6 @@ def _center_shift(teeth: Array, phase: float) -> Array:
     weight *= np.tile(length, len(teeth))
     matrix = directions.T @ (directions * weight[:, None])
     return np.linalg.solve(matrix, directions.T @ (weight * gap.ravel()))
-
-
-def _tooth_deviations(teeth: Array, median: Array) -> Array:
-    normal, _ = _normals(median)
-    nearest = KDTree(median)
-    largest = []
-    for tooth in teeth:
-        index = nearest.query(tooth[::4])[1]
-        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
-        largest.append(float(np.abs(gap).max()))
-    return np.array(largest)
 
 
 def _flank_symmetry(tooth: Array) -> float:
