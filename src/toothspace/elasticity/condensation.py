@@ -24,6 +24,10 @@ def flexibility(
 ) -> Array:
     r"""Work of every load on the displacement by every other, :math:`F^T K^{-1} F`.
 
+    Flexibility, symmetric positive semidefinite, shape (m, m). [N m]
+
+    Raises GeometryError if the body is not held or falls apart.
+
     Parameters
     ----------
     stiffness : csr_matrix
@@ -34,16 +38,6 @@ def flexibility(
         One load per column. [N]
     fixed : ndarray of int
         Unknowns that are held. [-]
-
-    Returns
-    -------
-    ndarray, shape (m, m)
-        Flexibility, symmetric positive semidefinite. [N m]
-
-    Raises
-    ------
-    GeometryError
-        If the body is not held or falls apart.
 
     References
     ----------
@@ -309,17 +303,14 @@ class Separator(NamedTuple):
 def dissect(nodes: Array, graph: sp.csr_matrix) -> list[Separator]:
     """Parts of a nested dissection in the order of elimination.
 
+    Children before parents, all parts of a child next to each other; the last is the root.
+
     Parameters
     ----------
     nodes : ndarray, shape (n, 3)
         Places; parts are cut across x, y or z, wherever fewest nodes are in the way. [m]
     graph : csr_matrix
         Pattern of the node couplings. [-]
-
-    Returns
-    -------
-    list of Separator
-        Children before parents, all parts of a child next to each other; the last is the root.
 
     References
     ----------

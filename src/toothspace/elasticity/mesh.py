@@ -41,6 +41,10 @@ def triangulate(
 ) -> Triangulation:
     """Triangulate the union of regions; the boundary of each region becomes edges.
 
+    Points and counter-clockwise triangles.
+
+    Raises GeometryError if the regions are empty or the edges are too long for them.
+
     Parameters
     ----------
     regions : list of Polygon
@@ -49,16 +53,6 @@ def triangulate(
         Target length of the edges. [m]
     chord : float
         Largest distance of the boundary from its chords over the edge length. [-]
-
-    Returns
-    -------
-    Triangulation
-        Points and counter-clockwise triangles.
-
-    Raises
-    ------
-    GeometryError
-        If the regions are empty or the edges are too long for them.
 
     Notes
     -----

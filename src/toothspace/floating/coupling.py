@@ -336,17 +336,14 @@ def couple_point(
 ) -> CoupledPoint:
     """Find gaps and chamber pressures that agree about lateral leakage and torque.
 
+    Raises KeyboardInterrupt if a lumped run is interrupted.
+
     Parameters
     ----------
     description : MachineDescription
         The machine after running-in.
     run : callable
         Lumped solution at the operating point, of a changed machine.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If a lumped run is interrupted.
 
     Notes
     -----
@@ -514,6 +511,9 @@ def coupled_solution(
 ) -> Solution:
     """Operating point with its lateral films over one revolution.
 
+    Raises KeyboardInterrupt if interrupted before there was a lumped solution; a later interrupt
+    keeps what is done.
+
     Parameters
     ----------
     description, fluid, run, request
@@ -525,11 +525,6 @@ def coupled_solution(
     heated : callable
         Solution of the machine with the temperatures of its films, from one that repeats it with
         other viscosities; without temperatures if not given.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted before there was a lumped solution; a later interrupt keeps what is done.
     """
     done: list[Solution] = []
     points: list[CoupledPoint] = []

@@ -142,6 +142,8 @@ def advance(
 ) -> Balance:
     """Move by one implicit Euler step under the mean of the forces in all snapshots.
 
+    State after the step; ``converged`` says whether it is in balance.
+
     Parameters
     ----------
     snapshots : sequence of Snapshot
@@ -155,11 +157,6 @@ def advance(
     follows : bool
         Whether the snapshot follows on that of the state before by the length of the step, so that
         the change of the deformation squeezes the films. Snapshots averaged over leave that out.
-
-    Returns
-    -------
-    Balance
-        State after the step; ``converged`` says whether it is in balance.
     """
     previous = PreviousStep(former.states[0], duration) if follows else None
     start = former.position, former.velocity

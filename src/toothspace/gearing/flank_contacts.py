@@ -90,10 +90,7 @@ def _half_tooth(gears: meshing.MeshedGears) -> float:
 def tooth_stiffness(gears: meshing.MeshedGears, flanks: FlankPair) -> float:
     r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
 
-    Returns
-    -------
-    float
-        Stiffness without the contact's own flattening. [N/m2]
+    Stiffness without the contact's own flattening. [N/m2]
 
     Notes
     -----

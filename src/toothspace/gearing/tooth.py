@@ -15,17 +15,15 @@ from toothspace.geometry.gear_profile import GearProfile
 def spline_coefficients(knots: Array, values: Array) -> Array:
     """Cubic spline with two continuous derivatives, its third also at the second knots.
 
+    Coefficients of the powers 0 to 3 of the distance to the left knot of each interval, shape (n -
+    1, channels, 4).
+
     Parameters
     ----------
     knots : ndarray, shape (n,)
         Increasing, n >= 2; three give a parabola, two a line. [unit of the abscissa]
     values : ndarray, shape (n, channels)
         Values at the knots.
-
-    Returns
-    -------
-    ndarray, shape (n - 1, channels, 4)
-        Coefficients of the powers 0 to 3 of the distance to the left knot of each interval.
 
     Notes
     -----
@@ -116,15 +114,12 @@ class Tooth(NamedTuple):
 def tooth_curves(profile: GearProfile) -> Tooth:
     """Splines through both flanks of a profile.
 
+    Flanks from root middle to tip corner.
+
     Parameters
     ----------
     profile : GearProfile
         One tooth pitch.
-
-    Returns
-    -------
-    Tooth
-        Flanks from root middle to tip corner.
     """
     radius = profile.tip_radius
     breaks = np.asarray(profile.breaks, dtype=int)

@@ -85,6 +85,9 @@ def find_gears(
 ) -> FileContents:
     """Find the gears in a CAD file or a file of points.
 
+    Raises GeometryError for a file that cannot be read or holds no gear; the message names the
+    section.
+
     Parameters
     ----------
     path : Path or Points
@@ -97,11 +100,6 @@ def find_gears(
         DXF layer; None for all.
     tooth_count : int or None
         Needed for the outline of a single pitch.
-
-    Raises
-    ------
-    GeometryError
-        For a file that cannot be read or holds no gear; the message names the section.
     """
     with reading(path, "the closed outline of a gear with equal teeth"):
         if is_solid(path):
@@ -124,6 +122,8 @@ def find_in_files(
 ) -> FileContents:
     """Gears and other bodies of files that were drawn in one frame; see ``find_gears``.
 
+    Raises GeometryError if no file holds a gear, or one cannot be read.
+
     Parameters
     ----------
     paths : iterable of Path
@@ -132,11 +132,6 @@ def find_in_files(
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
         Axis and plane of gears in solid files; None to find them.
-
-    Raises
-    ------
-    GeometryError
-        If no file holds a gear, or one cannot be read.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []

@@ -68,15 +68,12 @@ class RackCutTeeth(Generic[Real]):
     def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
         """Half of the angular thickness of the unlimited involute tooth.
 
+        Half angle; negative above the point where the flanks cross. [rad]
+
         Parameters
         ----------
         radius : float or ndarray
             Distance from the centre, at least the base radius. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Half angle; negative above the point where the flanks cross. [rad]
         """
         angle = np.arccos(np.minimum(self.base_radius / np.asarray(radius), 1.0))
         return self.base_half_angle - involute_function(angle)
@@ -389,18 +386,15 @@ class InvoluteGears(RackCutTeeth[Array]):
     def fillet_play(self, mating: InvoluteGears, center_distance: Array) -> Array:
         r"""Arc between the fillets and the mating tips as these pass, with centred backlash.
 
+        Smallest play, negative where a tip cuts into the root; infinite where none reaches the
+        fillet. [m]
+
         Parameters
         ----------
         mating : InvoluteGears
             Gears whose tips enter.
         center_distance : ndarray
             Distances of the centres. [m]
-
-        Returns
-        -------
-        ndarray
-            Smallest play, negative where a tip cuts into the root; infinite where none reaches
-            the fillet. [m]
 
         Notes
         -----

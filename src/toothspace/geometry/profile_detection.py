@@ -80,6 +80,10 @@ def gear_profile_from_curve(
 ) -> DetectedGear:
     r"""Gear in a closed outline of all its teeth, or of one pitch if the tooth count is given.
 
+    Median tooth, centre, phase, tooth count, deviation of every tooth.
+
+    Raises GeometryError for an empty or self-crossing curve, or one without 5 to 400 equal teeth.
+
     Parameters
     ----------
     points : ndarray
@@ -91,16 +95,6 @@ def gear_profile_from_curve(
     tooth_count : int or None
         Needed for an outline of a single pitch, root middle to root middle with the gear centre at
         the origin and any connection inside the root; not used for a whole gear.
-
-    Returns
-    -------
-    DetectedGear
-        Median tooth, centre, phase, tooth count, deviation of every tooth.
-
-    Raises
-    ------
-    GeometryError
-        For an empty or self-crossing curve, or one without 5 to 400 equal teeth.
 
     Notes
     -----
@@ -211,6 +205,11 @@ def gear_profile_from_tooth(
 ) -> DetectedGear:
     """Gear from the open curve of a single pitch, root middle to root middle.
 
+    The pitch, tooth turned to the x axis; its phase is that of the curve.
+
+    Raises GeometryError if the curve does not span one pitch within 1 %, or its ends differ in
+    radius by over 1 %.
+
     Parameters
     ----------
     points : ndarray
@@ -219,16 +218,6 @@ def gear_profile_from_tooth(
         Number of intervals of the resulting pitch.
     key : str
         Name of the curve for error messages.
-
-    Returns
-    -------
-    DetectedGear
-        The pitch, tooth turned to the x axis; its phase is that of the curve.
-
-    Raises
-    ------
-    GeometryError
-        If the curve does not span one pitch within 1 %, or its ends differ in radius by over 1 %.
     """
     angle = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
     ordered = points if angle[-1] > angle[0] else points[::-1]
@@ -475,6 +464,9 @@ def fitted_profile(
 ) -> GearProfile:
     """Replace the flanks of an outline by the involute that fits them.
 
+    The pitch. Root fillet and tip rounding are those of the outline, turned about the centre by no
+    more than the outline leaves the involute at its ends.
+
     Parameters
     ----------
     right, left : ndarray, shape (n, 2)
@@ -484,12 +476,6 @@ def fitted_profile(
         The involute and its ends.
     points_per_tooth : int
         Number of intervals of the pitch, even.
-
-    Returns
-    -------
-    GearProfile
-        The pitch. Root fillet and tip rounding are those of the outline, turned about the centre
-        by no more than the outline leaves the involute at its ends.
     """
     tip_radius = float(max(np.hypot(*right[-1]), np.hypot(*left[0])))
     root_radius = 0.5 * float(np.hypot(*right[0]) + np.hypot(*left[-1]))

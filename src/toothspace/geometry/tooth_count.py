@@ -19,17 +19,14 @@ _LEAST_AREA = 1e-14
 def repeating_teeth(outline: Array, fewest: int = MIN_TOOTH_COUNT) -> int | None:
     r"""Number of equal teeth round the centroid of an outline.
 
+    Tooth count up to 400; None for an outline without repeating teeth.
+
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Closed curve. [m]
     fewest : int
         Fewest teeth that count, at least 2.
-
-    Returns
-    -------
-    int or None
-        Tooth count up to 400; None for an outline without repeating teeth.
 
     Notes
     -----

@@ -52,6 +52,10 @@ def even_nodes(flank: InvoluteFlank) -> Array:
 def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) -> ToothDeviations:
     r"""Read the deviations of every tooth from the file of a gear tester.
 
+    Deviations at even steps of the roll length.
+
+    Raises GeometryError for files of another layout, and gears with another tooth count.
+
     Parameters
     ----------
     path : Path
@@ -60,16 +64,6 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
         counter-clockwise. ``.mka``: curve file of a Klingelnberg gear tester, teeth clockwise.
     flank : InvoluteFlank
         Involute of the gear.
-
-    Returns
-    -------
-    ToothDeviations
-        Deviations at even steps of the roll length.
-
-    Raises
-    ------
-    GeometryError
-        For files of another layout, and gears with another tooth count.
 
     Notes
     -----

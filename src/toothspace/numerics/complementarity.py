@@ -299,6 +299,8 @@ def solve_complementarity(
 ) -> ComplementaritySolution:
     """Solve a balance under a constraint, beginning with a guess found on coarser grids.
 
+    Fields and factored Jacobian. ``converged`` says whether the active set settled.
+
     Parameters
     ----------
     balance : CellBalance
@@ -309,11 +311,6 @@ def solve_complementarity(
         Kinds of the cells to begin with, as in a former solution.
     max_passes : int
         Limit of the number of linear solves on one grid. [-]
-
-    Returns
-    -------
-    ComplementaritySolution
-        Fields and factored Jacobian. ``converged`` says whether the active set settled.
 
     References
     ----------

@@ -236,10 +236,7 @@ def successors(description: MachineDescription) -> IntArray:
     A chamber family may come back onto itself in one shaft revolution with its chambers
     exchanged, as the pockets of a rotor that turns more slowly than the shaft.
 
-    Returns
-    -------
-    ndarray of int
-        Number of that chamber; the chamber itself where none stood there.
+    Number of that chamber; the chamber itself where none stood there.
     """
     places, first = np.arange(description.chamber_count), 0
     for family in description.families:

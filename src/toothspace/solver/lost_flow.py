@@ -134,10 +134,7 @@ _MOST_VOID = 0.999
 def shares(look: Look) -> Array:
     """Share of the way from the low to the high side at which every node stands. [-].
 
-    Returns
-    -------
-    ndarray, shape (samples, nodes)
-        1 at the working port, outlet of a pump and inlet of a motor.
+    1 at the working port, outlet of a pump and inlet of a motor, shape (samples, nodes).
     """
     system, seen = look.history.system, look.seen
     description, chambers = system.description, system.arrays.size.chambers

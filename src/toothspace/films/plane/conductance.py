@@ -72,17 +72,14 @@ def face_conductance(
 ) -> FaceConductance:
     """Solve the films of one face for a unit pressure at each of their edges.
 
+    Conductances, supporting areas and drag.
+
     Parameters
     ----------
     planes : ndarray, shape (angles, bodies, 3), optional
         Height of the film of every body at its axis [m], and rotations of that plane about x and
         y [rad]; not given: the gap of the face. Where rough faces touch, heights end at the
         roughness.
-
-    Returns
-    -------
-    FaceConductance
-        Conductances, supporting areas and drag.
 
     Notes
     -----
@@ -276,6 +273,9 @@ def shared_paths(
 ) -> list[FlowPath]:
     """Paths between all edges of the films at shared covers.
 
+    Between neighbouring chambers; from chambers to recesses, to the inner node and to the rim; from
+    recesses to each other, to the inner node and to the rim.
+
     Parameters
     ----------
     faces : SharedFaces
@@ -284,12 +284,6 @@ def shared_paths(
         Films before the covers.
     height : float
         Gap of the paths; unequal gaps of the covers enter with their cubes. [m]
-
-    Returns
-    -------
-    list of FlowPath
-        Between neighbouring chambers; from chambers to recesses, to the inner node and to the
-        rim; from recesses to each other, to the inner node and to the rim.
     """
     return _Paths(faces, films, height).all()
 
