@@ -111,7 +111,16 @@ def _from_curve_file(
     start, end = sorted(flank.roll_length(0.5 * diameter) for diameter in (low, high))
     undefined = _header(lines, r"^UNDEFINED", path, missing=-2147483.648)[0]
     curves = _profile_curves(lines, undefined)
-    pitches = _pitch_tables(lines)
+    pitches: dict[str, dict[int, float]] = {}
+    side = ""
+    for line in lines:
+        title, cells = _PITCH.match(line), line.split()
+        if title:
+            side = _SIDES[title.group(1)[0].lower()]
+        elif side and len(cells) == 4 and cells[0].isdigit():
+            pitches.setdefault(side, {})[int(cells[0])] = float(cells[2])
+        elif side and cells and cells[0] != "Zahn-Nr.":
+            side = ""
     circle = np.cos(flank.pressure_angle(0.25 * (low + high)))
     found = {}
     for side, sign in (("left", -1.0), ("right", 1.0)):
@@ -173,17 +182,3 @@ def _profile_curves(lines: Sequence[str], undefined: float) -> dict[tuple[int, s
             key = int(head.group(1)), _SIDES[head.group(2)[0].lower()]
             curves[key] = np.interp(places, places[known], curve[known])
     return curves
-
-
-def _pitch_tables(lines: Sequence[str]) -> dict[str, dict[int, float]]:
-    tables: dict[str, dict[int, float]] = {}
-    side = ""
-    for line in lines:
-        title, cells = _PITCH.match(line), line.split()
-        if title:
-            side = _SIDES[title.group(1)[0].lower()]
-        elif side and len(cells) == 4 and cells[0].isdigit():
-            tables.setdefault(side, {})[int(cells[0])] = float(cells[2])
-        elif side and cells and cells[0] != "Zahn-Nr.":
-            side = ""
-    return tables
