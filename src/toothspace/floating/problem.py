@@ -45,7 +45,7 @@ from toothspace.floating.stack import (
     WinklerFoundation,
 )
 from toothspace.model.description import MachineDescription
-from toothspace.model.floating_bearing import FilmInterface, LateralBalance
+from toothspace.model.floating_bearing import STICK, FilmInterface, LateralBalance
 from toothspace.numerics.parallel import cores_for_fields
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class LateralProblem:
         At rest the spring pulls with what films and back leave.
         """
         stiffness = _HELD * balance_force(self.stack, self.loads.back)
-        free = HousingFriction(0.0, self.loads.friction.breakaway_speed, holds=True)
+        free = HousingFriction(0.0, self.loads.friction.breakaway_speed, STICK)
         stack = replace(self.stack, holding_spring=HoldingSpring(opening, stiffness))
         return replace(self, stack=stack, loads=Loads(self.loads.back, free))
 
