@@ -33,8 +33,12 @@ from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backl
 from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.machines.crescent.assembly import CrescentAssembly, assemble, involute_pair
-from toothspace.machines.crescent.filler import cover_recesses
+from toothspace.machines.crescent.assembly import (
+    CrescentAssembly,
+    assemble,
+    cover_recesses,
+    involute_pair,
+)
 from toothspace.machines.crescent.summary import overlap, tip_clearance, trimming_distance
 
 ALPHA = np.deg2rad(27.5)

@@ -21,7 +21,7 @@ from toothspace.films.plane.conductance import (
 )
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceBody, FaceCells, FilmFace
-from toothspace.run.shared_covers import CoverFilms, with_shared_films
+from toothspace.run.solved_films import CoverFilms, with_shared_films
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, MIDDLE, RIM = 8e-3, 14e-3, 26e-3

@@ -511,7 +511,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 def _keep_unknown(problems: Problems, raw: Mapping[str, Any], known: Iterable[str]) -> None:
-    """Keep keys that nobody reads, with the nearest known one."""
+    """Record unknown keys, with the nearest known one."""
     names = list(known)
     for name in raw:
         if name not in names:

@@ -372,8 +372,8 @@ def _reach(
     start, column = graph
     lowest, highest = reach
     for k in range(part.size):
-        lowest[k] = nodes[part[k]]
-        highest[k] = nodes[part[k]]
+        for axis in range(3):
+            lowest[k, axis] = highest[k, axis] = nodes[part[k], axis]
         for j in range(start[part[k]], start[part[k] + 1]):
             if mark[column[j]]:
                 for axis in range(3):

@@ -13,9 +13,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
-from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.compiled import cache_root
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import load_arrays, save_arrays
 from toothspace.core.progress import UNKNOWN, report_share
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity.body import ElasticBody

@@ -143,7 +143,7 @@ _ASIDE = 0.01
 """Tilt at the rim over the gap of every body that begins where the smallest tilt grows. [-]"""
 _RESTLESS = (
     "Bodies between the covers do not repeat their motion from pitch to pitch: the last of {} is "
-    "taken. {}"
+    'taken{}. Set machine.lateral.motion = "axial", or machine.lateral.position = "given".'
 )
 
 
@@ -216,7 +216,8 @@ def bodies_between_covers(
         track, warning = [found.balance.states[0]], ""
         if condition.shaft_speed > 0.0:
             track, restless = _repeated(stack, pressures, loads, found)
-            warning = _RESTLESS.format(_MOST_PITCHES, found.reason.capitalize()) if restless else ""
+            reason = f"; {found.reason}" if found.reason else ""
+            warning = _RESTLESS.format(_MOST_PITCHES, reason) if restless else ""
     asked = np.round(turn / faces.face.chambers.pitch * len(track)).astype(int) % len(track)
     # heights, places of the bodies and their asperity friction at the states asked for
     states = [track[k] for k in asked]

@@ -12,6 +12,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.floating.elastic_faces import face_deflection
 from toothspace.floating.heat import SettledBearing, settle_bearing
 from toothspace.floating.housing_friction import HousingFriction
@@ -489,6 +490,17 @@ def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
     return (last, other) if last.excess > 0.0 else (other, last)
 
 
+_TOO_WARM = (
+    "Lateral films find no temperature up to {:.0f} degC, to which the fluid is known, at which "
+    "their viscosity agrees with the heat that they dissipate. Lower operating_point.shaft_speed "
+    "or the pressure, or set run.film_oil_share = 0 for films at the temperature of the fluid."
+)
+_DISAGREE = (
+    "Lateral films and chambers do not agree: the films leak {:+.2g} % of the displaced flow more "
+    "than the chambers lose, and their torque is {:+.2g} % of the ideal torque above that in the "
+    "run. Refine run.film_grid, or change the pressure a little."
+)
+
 HeatedRun = Callable[[MachineDescription, Callable[[MachineDescription], Solution]], Solution]
 """Solution with temperatures, from a machine and what repeats it with other viscosities."""
 
@@ -545,7 +557,9 @@ def coupled_solution(
 
     try:
         solution = heated(description, coupled)
-        return _with_films(points[-1], solution, steps, progress)
+        # films that would be too warm leave the first point, at the temperature of the fluid
+        point = next(p for p in points if p.solution.ledger is solution.ledger)
+        return _with_films(point, solution, steps, progress)
     except KeyboardInterrupt:
         if not done:
             raise
@@ -577,7 +591,7 @@ def _with_films(
         film=("film", [grid.interface.name for grid in stack.grids])
     )
     data = data.set_coords(list(film_places(stack)))
-    status = point.status if march.converged else Status.NOT_CONVERGED
+    status = solution.status if march.converged else Status.NOT_CONVERGED
     status = Status.INTERRUPTED if march.interrupted else status
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
     rise, numbers = point.temperature_rise, point.numbers
@@ -624,8 +638,13 @@ def hold_down_warning(numbers: LateralNumbers) -> str:
 
 def equilibrium_warning(point: CoupledPoint) -> str:
     """Why there is no equilibrium, or on what bodies lean; empty if films carry all."""
-    found = point.equilibrium
+    found, heating = point.equilibrium, point.problem.settings.heating
     if not found.settled:
         return f"Bearing and gears do not reach equilibrium: {found.reason}."
+    if not point.warm and heating is not None:
+        highest = heating.balance.highest_temperature - ZERO_CELSIUS
+        return _TOO_WARM.format(highest)
+    if not point.agreed:
+        return _DISAGREE.format(100.0 * point.leakage_mismatch, 100.0 * point.torque_mismatch)
     held = leaning(point.problem.stack, found.balance.position)
     return f"In equilibrium {'; '.join(held)}." if held else ""

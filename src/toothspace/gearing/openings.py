@@ -137,7 +137,7 @@ _LEAST_AREA = 1e-12
 
 
 def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Array]:
-    """Length of a tooth space's mouth that opens to inlet and outlet.
+    """Length of the port opening of a tooth space at inlet and outlet.
 
     Arc length on the tip circles between lens and port edge, to inlet and outlet. [m]
 

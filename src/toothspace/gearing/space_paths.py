@@ -235,7 +235,7 @@ class ToothSpaces:
             minimum_height=roughness,
         )
 
-    def mouths(self, edges: tuple[float, float]) -> list[FlowPath]:
+    def port_openings(self, edges: tuple[float, float]) -> list[FlowPath]:
         """Openings at the tip circle between mesh and the edges of inlet and outlet [rad]."""
         tables = {}
         for port, length in zip(_PORTS, port_lengths(self.spaces, edges), strict=True):

@@ -10,9 +10,6 @@ from typing import final
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
@@ -77,6 +74,10 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
     tolerance : float
         Distance up to which corners are one, 0 for equal corners only. [m]
     """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     corners = np.ascontiguousarray(triangles.reshape(-1, 3)) + 0.0
     rows = corners.view([("", float)] * 3).ravel()
     _, first, number = np.unique(rows, return_index=True, return_inverse=True)
@@ -100,6 +101,9 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
 
 def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     """Bodies of a mesh that do not touch one another, largest volume first."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     a, b = mesh.faces[:, [0, 1]].T, mesh.faces[:, [1, 2]].T
     rows, columns = np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1]])
     size = len(mesh.vertices)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Literal, final
 import numpy as np
 
 from toothspace.closures.journal_friction import FrictionCurves
-from toothspace.core.design_check import DesignCheck
+from toothspace.core.finding import DesignCheck
 from toothspace.core.keys import quantity
 from toothspace.core.types import Array
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh

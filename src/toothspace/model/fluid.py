@@ -21,11 +21,16 @@ import numpy as np
 from toothspace.closures.density import clausius_clapeyron_pressure
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import walther_constants, walther_viscosity
-from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.core.types import Array
-from toothspace.core.units import compatible, to_si
+from toothspace.core.units import (
+    AIR_GAS_CONSTANT,
+    ATMOSPHERIC_PRESSURE,
+    ZERO_CELSIUS,
+    compatible,
+    to_si,
+)
 from toothspace.library import load_fluid
 
 REQUIRED = {"temperature": "K", "pressure": "Pa", "density": "kg/m^3", "dynamic_viscosity": "Pa s"}

@@ -19,7 +19,7 @@ from toothspace.model.bodies import (
     update_film_forces,
     update_pressure_forces,
 )
-from toothspace.model.carried_flows import carries, carry_pressures, carry_volumes
+from toothspace.model.carried_flows import carries, carry_volumes, set_quasi_steady_pressures
 from toothspace.model.chambers import (
     exchange_gas,
     gas_relaxation,
@@ -259,7 +259,7 @@ def evaluate_pressures(s: SystemArrays, state: Array) -> bool:
     if not abs(state[0] - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(state[0])):
         changed = update_tables(s, state[0])
     if carries(s):
-        carry_pressures(s, state)
+        set_quasi_steady_pressures(s, state)
         update_volumes(s, state)
         carry_volumes(s)
     else:

@@ -3,36 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, final
+from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-
-
-@njit(nogil=True, fastmath={"contract", "reassoc"})
-def dot(a: Array, b: NDArray[Any]) -> float:
-    """Inner product of two vectors; the second may be in single precision."""
-    total = 0.0
-    for k in range(a.size):
-        total += a[k] * b[k]
-    return total
-
-
-@njit(nogil=True)
-def norm(a: Array) -> float:
-    """Euclidean length of a vector."""
-    return float(dot(a, a) ** 0.5)
-
-
-@njit(nogil=True, fastmath={"contract"})
-def add_scaled(a: Array, factor: float, b: Array) -> None:
-    """Add a multiple of the second vector to the first, in place."""
-    for k in range(a.size):
-        a[k] += factor * b[k]
-
+from toothspace.numerics.vectors import add_scaled, dot, norm
 
 Operator = Callable[[Array], Array]
 
@@ -145,7 +122,8 @@ def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
         column[m] = dot(basis[m], product)
         add_scaled(product, -column[m], basis[m])
     below = norm(product)
-    basis[count + 1] = product / below if below > 0.0 else product
+    for k in range(product.size):
+        basis[count + 1, k] = product[k] / below if below > 0.0 else product[k]
     for m in range(count):
         above = column[m]
         column[m] = cosine[m] * above + sine[m] * column[m + 1]

@@ -16,8 +16,9 @@ from toothspace.numerics.banded import (
     solve_bands,
     stencil_products,
 )
-from toothspace.numerics.krylov import gmres, norm
+from toothspace.numerics.krylov import gmres
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
+from toothspace.numerics.vectors import norm
 
 SATURATED = 0
 UNSATURATED = 1

@@ -1,7 +1,7 @@
 """All that Python asks of the compiled model, behind one compiled function.
 
 One entry with a task code, so that the whole model is compiled once, whatever is asked first.
-What a task does not need is handed in empty.
+Unused arguments are empty arrays.
 """
 
 from __future__ import annotations

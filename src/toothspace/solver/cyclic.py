@@ -8,17 +8,18 @@ from typing import final
 import numpy as np
 
 from toothspace.core.progress import UNKNOWN, Progress, tell
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
-from toothspace.results.events import Event
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
-from toothspace.solver.integrator import Piece, start_march
+from toothspace.solver.integrator import March, Piece, start_march
 
+_PIECES = 48
+"""Parts of a revolution after each of which the march is looked at. [-]"""
 DENSE = 11520
 """States of a revolution between which extremes and spectra are looked for."""
 _COMPARED = 128
@@ -104,7 +105,7 @@ def march_revolutions(
     search: _PeriodicSearch | None = None
     try:
         for k in range(limit):
-            piece = march.advance(k * turn + offsets)
+            piece = _marched(march, k * turn + offsets)
             if piece.status is not Status.DONE:
                 previous, status = piece, piece.status
                 break
@@ -143,6 +144,21 @@ def march_revolutions(
         done,
         {**march.statistics, "revolutions": float(done)},
         DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
+    )
+
+
+def _marched(march: March, times: Array) -> Piece:
+    """Advance in short pieces, so that a march ends soon where it went astray."""
+    pieces = []
+    for part in np.array_split(times, _PIECES):
+        pieces.append(march.advance(part))
+        if pieces[-1].status is not Status.DONE:
+            break
+    return Piece(
+        pieces[-1].status,
+        np.concatenate([piece.times for piece in pieces]),
+        np.concatenate([piece.states for piece in pieces]),
+        tuple(event for piece in pieces for event in piece.events),
     )
 
 

@@ -7,8 +7,8 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.status import Status
-from toothspace.core.types import Array
+from toothspace.core.status import Event, Status
+from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
@@ -25,7 +25,6 @@ from toothspace.numerics.ndf_types import (
     make_state,
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
-from toothspace.results.events import Event
 from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
 
 _EVENT_CAPACITY = 20_000
@@ -51,7 +50,7 @@ _COUNTERS = {
 @final
 @dataclass(frozen=True)
 class March:
-    """One integration under way: advance it piece by piece."""
+    """One integration, advanced piece by piece."""
 
     system: System
     """What is integrated."""
@@ -67,10 +66,13 @@ class March:
         integration = Integration(self.program, self.settings, self.state, record)
         code = advance(self.system.arrays, integration, end)
         written = int(record.counts[0])
+        status = _STATUS.get(code, Status.STEP_TOO_SMALL)
+        if skips(self.system, record.samples[:written]).any():
+            status = Status.OUT_OF_MESH
         count = min(int(record.counts[1]), record.event_times.size)
         speed = self.system.condition.shaft_speed
         return Piece(
-            status=_STATUS.get(code, Status.STEP_TOO_SMALL),
+            status=status,
             stopped=code == TERMINAL_EVENT,
             times=record.sample_times[:written],
             states=record.samples[:written],
@@ -118,6 +120,32 @@ class March:
         if self.system.arrays.size.compliant:
             return kind, self.system.contact_labels[contact]
         return kind, loaded_contacts(description, self.system.condition)[0].name
+
+
+def skips(system: System, states: Array) -> BoolArray:
+    """Whether a body has turned by more than half a tooth pitch from its place in the mesh.
+
+    Tables and contacts are those of the teeth that belong together, to first order in small
+    motions: beyond they are of other teeth, and nothing that follows means anything.
+
+    Parameters
+    ----------
+    system : System
+        Machine with its free motions.
+    states : ndarray
+        States over time.
+
+    Returns
+    -------
+    ndarray of bool
+        One value for each state.
+    """
+    first, motions = system.arrays.size.position, system.description.motions
+    turning = [
+        first + k for k, m in enumerate(system.free_motions) if motions[m].axis == "rotation"
+    ]
+    half_pitch = np.pi / system.description.families[0].count
+    return np.asarray((np.abs(states[:, turning]) > half_pitch).any(axis=1))
 
 
 @final

@@ -29,7 +29,7 @@ from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import LEAKAGES, PathRole
 from toothspace.numerics.periodic_table import PeriodicTable
-from toothspace.results.lost_flow import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
+from toothspace.results.performance import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History
 

@@ -11,11 +11,10 @@ import numpy as np
 from toothspace.closures.friction import STUCK, next_direction
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.progress import Progress
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
-from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
@@ -49,7 +48,7 @@ class TimePlan:
 @final
 @dataclass
 class TransientMarch:
-    """A transient run under way: chunks of sampled states, and what happened."""
+    """A transient run in progress: chunks of sampled states, and events."""
 
     system: System
     """Machine with a free shaft."""

@@ -35,8 +35,7 @@ from toothspace.geometry.curve import polar_moment
 from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.flow_paths import bore_cover
+from toothspace.machines.external_gear.flow_paths import bore, bore_cover
 from toothspace.model.description import MachineDescription, RunningIn
 
 REFERENCE_MOTOR = Path(__file__).parents[3] / "cases" / "egm12_motor.toml"

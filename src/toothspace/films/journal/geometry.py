@@ -18,14 +18,15 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.compiled import njit
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.fluid import CAVITATION, FilmFluid
 from toothspace.films.reynolds.rough_surfaces import FlowLaw, pressure_stress, stress_factors
 from toothspace.numerics.banded import check_grid
+from toothspace.numerics.vectors import put
 
 _CHOICES = {
     "cavitation": set(CAVITATION),
@@ -219,8 +220,9 @@ def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> Gap
     centre = _plane_waves(mesh, place, clearance, 0.0, mesh.axial)
     face_y = _plane_waves(mesh, place, clearance, 0.0, mesh.axial_face)
     face_x = np.empty((rows + 1, lanes))
-    face_x[:rows] = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
-    face_x[rows] = face_x[0]
+    shifted = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
+    for i in range(rows + 1):
+        put(face_x[i], shifted[i % rows])
     rate = _plane_waves(mesh, motion.speed, 0.0, 0.0, mesh.axial)
     return GapField(centre, face_x, face_y, rate, np.zeros((rows, lanes)))
 

@@ -9,9 +9,9 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import (
     FaceSolution,
