@@ -243,12 +243,6 @@ def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     return _between([lines[level] for level in pair], min(max(share, 0.0), 1.0))
 
 
-def table_temperatures(path: Path | Columns) -> tuple[float, float]:
-    """Lowest and highest absolute temperature of a fluid table. [K]."""
-    temperatures = _read(path)[0]["temperature"]
-    return float(temperatures.min()), float(temperatures.max())
-
-
 def _between(lines: list[dict[str, Array]], share: float) -> TableFit:
     """Interpolate the constants of two isotherms."""
     fits = [_fit_isotherm(line) for line in lines]
@@ -419,7 +413,8 @@ def temperature_range(source: str | Path | Columns) -> tuple[float, float]:
     """
     table = _table(source)
     if table is not None:
-        return table_temperatures(table)
+        temperatures = _read(table)[0]["temperature"]
+        return float(temperatures.min()), float(temperatures.max())
     low, high = load_fluid(str(source))["temperature_range_degC"]
     return low + ZERO_CELSIUS, high + ZERO_CELSIUS
 

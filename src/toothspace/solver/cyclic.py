@@ -16,7 +16,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
-from toothspace.solver.integrator import March, Piece, start_march
+from toothspace.solver.integrator import Piece, start_march
 
 _PIECES = 48
 """Parts of a revolution after each of which the march is looked at. [-]"""
@@ -105,7 +105,7 @@ def march_revolutions(
     search: _PeriodicSearch | None = None
     try:
         for k in range(limit):
-            piece = _marched(march, k * turn + offsets)
+            piece = march.advance(k * turn + offsets, pieces=_PIECES)
             if piece.status is not Status.DONE:
                 previous, status = piece, piece.status
                 break
@@ -144,21 +144,6 @@ def march_revolutions(
         done,
         {**march.statistics, "revolutions": float(done)},
         DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
-    )
-
-
-def _marched(march: March, times: Array) -> Piece:
-    """Advance in short pieces, so that a march ends soon where it went astray."""
-    pieces = []
-    for part in np.array_split(times, _PIECES):
-        pieces.append(march.advance(part))
-        if pieces[-1].status is not Status.DONE:
-            break
-    return Piece(
-        pieces[-1].status,
-        np.concatenate([piece.times for piece in pieces]),
-        np.concatenate([piece.states for piece in pieces]),
-        tuple(event for piece in pieces for event in piece.events),
     )
 
 

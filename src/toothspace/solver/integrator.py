@@ -59,8 +59,26 @@ class March:
     state: NdfState
     """Elimination program, settings and memory of the integrator."""
 
-    def advance(self, sample_times: Array) -> Piece:
-        """Integrate to the last sample time [s] and return the samples on the way."""
+    def advance(self, sample_times: Array, pieces: int = 1) -> Piece:
+        """Integrate to the last sample time [s] and return the samples on the way.
+
+        In several pieces it ends soon where it went astray.
+        """
+        found = []
+        for part in np.array_split(sample_times, pieces):
+            found.append(self._advance(part))
+            if found[-1].status is not Status.DONE:
+                break
+        if len(found) == 1:
+            return found[0]
+        return Piece(
+            found[-1].status,
+            np.concatenate([piece.times for piece in found]),
+            np.concatenate([piece.states for piece in found]),
+            tuple(event for piece in found for event in piece.events),
+        )
+
+    def _advance(self, sample_times: Array) -> Piece:
         record = make_record(sample_times, self.system.arrays.size.total, _EVENT_CAPACITY)
         end = float(sample_times[-1])
         integration = Integration(self.program, self.settings, self.state, record)
