@@ -49,6 +49,7 @@ def flexibility(
     blocks.sort_indices()
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
     graph = sp.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    # parts that share no unknown are eliminated apart, so fronts stay small
     parts = _planned(dissect(nodes, graph), graph, rows)
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
@@ -56,6 +57,7 @@ def flexibility(
     spent = np.cumsum([sum(part.sizes) ** 2 * part.sizes[0] for part in parts], dtype=float)
     for part, cost in zip(parts, spent, strict=True):
         report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
+        # own entries, then what the children left; their memory is a stack, the last one on top
         front = work.front(part)
         _assemble(part, (stiffness, rows), place, front)
         for child in reversed(part.children):

@@ -350,9 +350,8 @@ def couple_point(
     -----
     Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
     more. Where equilibria at the pressures of single runs jump from one side to the other, one is
-    sought at pressures between two runs, see :class:`~.interpolation.InterpolatedEquilibrium`.
-    The faces of
-    every run drag like the films of the run before.
+    sought at pressures between two runs, see :class:`InterpolatedEquilibrium`. The faces of every
+    run drag like the films of the run before.
     """
     search = _LeakageSearch(replace(description, lateral_table=None), fluid, run, request)
     point, close = search.advance()

@@ -173,8 +173,10 @@ def _revised(task: _StepTask, found: _Step, v: Array, tried: tuple[int, ...]) ->
     for k, lever in enumerate(task.stack.levers):
         speed = float(lever @ velocity)
         limit = task.loads.law(k).breakaway_force
+        # holding asks for more than friction gives: it slides the way it is pushed
         if tried[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
             revised.append(-int(np.sign(friction[k])))
+        # friction would drive it on: it sticks before it turns round
         elif tried[k] != 0 and tried[k] * speed <= 0.0:
             revised.append(0)
         else:
@@ -327,6 +329,7 @@ def _newton_step(
     """Step of the coordinates that balances the forces with what the deformation will add."""
     free = task.stack.free
     matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
+    # a bearing that sticks adds the force that holds it as an unknown, and that it does not move
     count, bars = free.size, len(held)
     full = np.zeros((count + bars, count + bars))
     full[:count, :count] = matrix

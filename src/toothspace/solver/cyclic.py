@@ -111,6 +111,7 @@ def march_revolutions(
                 break
             done = k + 1
             tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
+            # a revolution that was begun elsewhere says nothing about the one before
             if previous is not None and not (search and search.moved):
                 every = grid.dense[::_COMPARED]
                 changes.append(_difference(system, previous.states[every], piece.states[every]))
@@ -123,6 +124,7 @@ def march_revolutions(
             if _stalled(changes):
                 status = Status.NOT_REPEATING
                 break
+            # beginning elsewhere costs steps at first order: only where closing takes long
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
             free = search.closes(piece) if search.moved else _soon_alike(changes)
@@ -175,6 +177,7 @@ class _PeriodicSearch:
     """
 
     def __init__(self, system: System, piece: Piece) -> None:
+        # mixing weighs all parts of the state together: each in units of what a machine notices
         size, state = system.arrays.size, piece.states[-1]
         self._system, self._part = system, slice(size.mass, size.load)
         scale = np.ones_like(state)
