@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+import scipy
 
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
@@ -182,7 +182,7 @@ def single_contact(contact: LobeContact, sign: float, eccentricity: float) -> Lo
     """
     nodes = contact.gap.size // contact.copies
     arm = np.where(contact.near, sign * contact.lever, -np.inf)
-    middle = int(np.argmax(minimum_filter1d(arm, nodes + 1, mode="wrap")))
+    middle = int(np.argmax(scipy.ndimage.minimum_filter1d(arm, nodes + 1, mode="wrap")))
     number = np.arange(contact.gap.size) - middle
     half = contact.gap.size // 2
     distance = np.mod(number + half, contact.gap.size) - half

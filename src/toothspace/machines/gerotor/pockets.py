@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
@@ -123,7 +123,7 @@ def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: A
         half = finer * count // (2 * rotors.outer_tooth_count)
         rate = _area_rate(rotors, fine, half)
     rate = rate - float(np.mean(rate))
-    spline = CubicSpline(place, np.append(rate, rate[0]), bc_type="periodic")
+    spline = scipy.interpolate.CubicSpline(place, np.append(rate, rate[0]), bc_type="periodic")
     total = spline.antiderivative()(place[:-1:finer])
     return np.asarray(total / rotors.speed_ratio, dtype=float)
 

@@ -13,9 +13,8 @@ from functools import cached_property
 from typing import Any, NoReturn, final
 
 import numpy as np
+import scipy
 import shapely
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
 
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array, BoolArray
@@ -99,10 +98,10 @@ def contour(points: Array) -> Contour:
     closed = np.vstack([points[:1], closed[1:][steps > 1e-9]])
     closed[-1] = closed[0]
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-    spline = CubicSpline(along, closed, bc_type="periodic")
+    spline = scipy.interpolate.CubicSpline(along, closed, bc_type="periodic")
     length = float(along[-1])
     places = np.arange(_CONTOUR_SAMPLES) * (length / _CONTOUR_SAMPLES)
-    return Contour(length, spline, cKDTree(spline(places)))
+    return Contour(length, spline, scipy.spatial.cKDTree(spline(places)))
 
 
 _SAMPLES = 2000
