@@ -57,7 +57,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "form in the browser": ("app/*",),
     "kinematics of many designs at once": (
-        "gearing/design_values.py", "geometry/*_designs.py", "advice/gear_designs.py",
+        "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
         "machines/external_gear/designs.py", "studies/design_scan.py",
     ),
     "lateral films looked up at every instant": (

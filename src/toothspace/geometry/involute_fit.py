@@ -352,6 +352,7 @@ def _inside(points: FlankPoints, low: float, high: float) -> FlankPoints:
 
 
 def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, high: float) -> Array:
+
     inside = {side: _inside(points, low, high) for side, points in sides.items()}
     first = [_distance(points.radius, points.angle, start, side) for side, points in inside.items()]
     scale = max(1.4826 * float(np.median(np.abs(np.concatenate(first)))), 1e-9)

@@ -105,7 +105,13 @@ def march_revolutions(
     search: _PeriodicSearch | None = None
     try:
         for k in range(limit):
-            piece = march.advance(k * turn + offsets, pieces=_PIECES)
+            # in short pieces, so that a march ends soon where it went astray
+            pieces: list[Piece] = []
+            for part in np.array_split(k * turn + offsets, _PIECES):
+                pieces.append(march.advance(part))
+                if pieces[-1].status is not Status.DONE:
+                    break
+            piece = Piece.joined(pieces)
             if piece.status is not Status.DONE:
                 previous, status = piece, piece.status
                 break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -59,26 +60,8 @@ class March:
     state: NdfState
     """Elimination program, settings and memory of the integrator."""
 
-    def advance(self, sample_times: Array, pieces: int = 1) -> Piece:
-        """Integrate to the last sample time [s] and return the samples on the way.
-
-        In several pieces it ends soon where it went astray.
-        """
-        found = []
-        for part in np.array_split(sample_times, pieces):
-            found.append(self._advance(part))
-            if found[-1].status is not Status.DONE:
-                break
-        if len(found) == 1:
-            return found[0]
-        return Piece(
-            found[-1].status,
-            np.concatenate([piece.times for piece in found]),
-            np.concatenate([piece.states for piece in found]),
-            tuple(event for piece in found for event in piece.events),
-        )
-
-    def _advance(self, sample_times: Array) -> Piece:
+    def advance(self, sample_times: Array) -> Piece:
+        """Integrate to the last sample time [s] and return the samples on the way."""
         record = make_record(sample_times, self.system.arrays.size.total, _EVENT_CAPACITY)
         end = float(sample_times[-1])
         integration = Integration(self.program, self.settings, self.state, record)
@@ -176,6 +159,16 @@ class Piece:
     states: Array
     events: tuple[Event, ...]
     stopped: bool = False
+
+    @classmethod
+    def joined(cls, pieces: Sequence[Piece]) -> Piece:
+        """One piece of several that follow each other, with the status of the last."""
+        return cls(
+            pieces[-1].status,
+            np.concatenate([piece.times for piece in pieces]),
+            np.concatenate([piece.states for piece in pieces]),
+            tuple(event for piece in pieces for event in piece.events),
+        )
 
 
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:

@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.advice.gear_rules import bearing_checks, contact_ratio_check, pair_checks
-from toothspace.advice.strength import strength_checks
+from toothspace.advice.gear_rules import (
+    bearing_checks,
+    contact_ratio_check,
+    pair_checks,
+    strength_checks,
+)
 from toothspace.advice.trapping import (
     TYPICAL,
     DesignCondition,
