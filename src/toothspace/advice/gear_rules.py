@@ -29,6 +29,18 @@ _ENCLOSED_SHARE = 0.002
 
 The volume itself is some two: a thousandth of it compressed raises the pressure of oil by 16 bar.
 """
+RELATIVE_CLEARANCE = 0.3e-3, 5e-3
+"""Least and largest radial clearance of a bearing over its radius. [-]"""
+RADIAL_LOAD_COEFFICIENT = 0.85
+"""Radial load of the driven gear over pressure x width x tip diameter (Ivantysyn). [-]"""
+MAX_BEARING_PRESSURE = 20e6
+MAX_BEARING_PRESSURE_VELOCITY = 100e6
+MAX_FLANK_PRESSURE = 1500e6
+MAX_ROOT_STRESS = 430e6
+_WHY_LOAD = "The bearings carry the whole pressure force; too high a load wipes their lining."
+_WHY_HEAT = "Load times sliding speed is the heat that the bearing film must carry away."
+_WHY_PITS = "Repeated contact pressure above the endurance of the flanks breaks out pits."
+_WHY_ROOT = "Every passage bends the tooth once; above the endurance limit it breaks at the root."
 
 
 def pair_checks(
@@ -185,10 +197,6 @@ def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> Desig
     )
 
 
-RELATIVE_CLEARANCE = 0.3e-3, 5e-3
-"""Least and largest radial clearance of a bearing over its radius. [-]"""
-
-
 def bearing_checks(
     journals: Sequence[LumpedJournalBearing], root_clearance: float | None = None
 ) -> tuple[DesignCheck, ...]:
@@ -231,15 +239,6 @@ def bearing_checks(
             )
         )  # fmt: skip
     return tuple(checks)
-
-
-RADIAL_LOAD_COEFFICIENT = 0.85
-"""Radial load of the driven gear over pressure x width x tip diameter (Ivantysyn). [-]"""
-
-MAX_BEARING_PRESSURE = 20e6
-MAX_BEARING_PRESSURE_VELOCITY = 100e6
-MAX_FLANK_PRESSURE = 1500e6
-MAX_ROOT_STRESS = 430e6
 
 
 def strength_checks(
@@ -339,9 +338,3 @@ def root_stress(gears: MeshedGears, profiles: Sequence[GearProfile], force: floa
         arm = profile.tip_radius - radii
         stresses.append(float(np.max(6.0 * line_load * arm / thickness**2)))
     return max(stresses)
-
-
-_WHY_LOAD = "The bearings carry the whole pressure force; too high a load wipes their lining."
-_WHY_HEAT = "Load times sliding speed is the heat that the bearing film must carry away."
-_WHY_PITS = "Repeated contact pressure above the endurance of the flanks breaks out pits."
-_WHY_ROOT = "Every passage bends the tooth once; above the endurance limit it breaks at the root."
