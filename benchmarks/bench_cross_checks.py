@@ -26,6 +26,8 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.elasticity import influence_matrix
+
 Row = tuple[str, float, float, str]
 """Quantity, found by the package, by the other, and unit."""
 
@@ -115,7 +117,6 @@ def tamaas() -> Iterator[Row | tuple[float, float]]:
 def calculix() -> Iterator[Row | tuple[float, float]]:
     """Bushing on its cover, pressed on a part of its face, on the mesh of both programs."""
     from tests.verification import test_calculix as case
-    from toothspace.elasticity import influence_matrix
 
     body = case._body(5e-3)
     with tempfile.TemporaryDirectory() as folder:

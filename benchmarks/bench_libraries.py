@@ -30,8 +30,15 @@ from benchmarks.bench_films import (
 from toothspace.core.compiled import njit
 from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import stiffness_matrix
-from toothspace.elasticity.mesh import Prism, SolidMesh, annulus, disc, sweep
-from toothspace.elasticity.triangulation import Triangulation, triangulate
+from toothspace.elasticity.mesh import (
+    Prism,
+    SolidMesh,
+    Triangulation,
+    annulus,
+    disc,
+    sweep,
+    triangulate,
+)
 from toothspace.numerics.banded import PANEL, empty_band, factor_band, fill_band, solve_bands
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.static_lu import analyse, factorise, solve

@@ -39,7 +39,7 @@ html_static_path = ["_static"]
 html_css_files = ["toothspace.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
-html_search_scorer = "_static/search_scorer.js"  # what teaches ranks before lists of keys
+html_search_scorer = str(DOCS / "_static" / "search_scorer.js")  # tutorials before keys
 html_show_sourcelink = False
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "attrs_inline"]

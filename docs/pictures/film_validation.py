@@ -15,67 +15,54 @@ from matplotlib.figure import Figure
 
 from toothspace import api
 from toothspace.closures.journal_friction import PUBLISHED_CURVE
-from toothspace.films import (
-    FilmFluid,
-    Groove,
-    JournalBearing,
-    LateralFilm,
-    Lobes,
-    Pad,
-    Pocket,
-    RoughSurfaces,
-    sweep_friction,
-)
-from toothspace.films.plane.rigid_faces import FaceSetting, solve_faces
+from toothspace.films import FilmFluid, JournalBearing, LateralFilm
+from toothspace.films.plane.ring import FaceSetting, solve_faces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.plotting.style import BLUE, GREEN, INK, ORANGE, styled
+from toothspace.validation.claim import columns, data_file
+from toothspace.validation.published_films import (
+    SPEED,
+    bertocchi_pad,
+    lund_thomsen_bearing,
+    lund_thomsen_load,
+    pawar_sweep,
+)
 
 ROOT = Path(__file__).parents[2]
-DATA = ROOT / "tests" / "validation"
 
 
 def pocket(axis: Any) -> None:
     """Pad with a pocket: pressure along the middle."""
-    text = (DATA / "bertocchi_2013" / "reference.csv").read_text().splitlines()[1:]
-    rows = np.array([[float(t.replace(",", ".")) for t in row] for row in csv.reader(text)])
-    pad = Pad(
-        length=20e-3,
-        width=10e-3,
-        inlet_height=1.1e-6,
-        outlet_height=1.0e-6,
-        fluid=FilmFluid(0.01, pressure_viscosity=1.2e-8, compressible=True),
-        pocket=Pocket(0.4e-6, 4e-3, 6e-3, 7e-3),
-        grid=(160, 80),
-        ambient_pressure=1e5,
-    )
+    rows = columns("bertocchi_2013")
+    pad = bertocchi_pad()
     film = pad.solve(speed=1.0)
     axis.plot(1e3 * film.x, 1e-6 * film.pressure_centerline, color=BLUE, label="toothspace")
-    axis.plot(20.0 * rows[::3, 0], rows[::3, 1], "o", color=INK, label="Bertocchi et al. 2013")
+    axis.plot(
+        20.0 * rows["x"][::3],
+        rows["p_small_pocket"][::3],
+        "o",
+        color=INK,
+        label="Bertocchi et al. 2013",
+    )
     axis.set(title="Pad with pocket", xlabel="x [mm]", ylabel="pressure [MPa]")
     axis.legend()
 
 
 def stiffness(axis: Any) -> None:
     """Four stiffness coefficients of the elliptical bearing."""
-    lines = (DATA / "lund_thomsen_1978" / "reference.csv").read_text().splitlines()
-    rows = [row for row in csv.DictReader(lines) if "elliptical" in row["bearing"]]
+    lines = data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()
+    rows = [
+        row
+        for row in csv.DictReader(lines)
+        if "elliptical" in row["bearing"] and float(row["L_over_D"]) == 1.0
+    ]
     numbers = np.array([float(row["S"]) for row in rows])
+    bearing = lund_thomsen_bearing(1.0, elliptical=True, cavitation="jfo")
     found = []
     for S in np.geomspace(numbers.min(), numbers.max(), 9):
-        bearing = JournalBearing(
-            diameter=0.1,
-            length=0.1,
-            radial_clearance=1e-4,
-            dynamic_viscosity=0.01,
-            grid=(144, 21),
-            lobes=Lobes(2, 0.5),
-            grooves=tuple(Groove(s * np.pi / 2, np.radians(20), 0.1, 0.0) for s in (1.0, -1.0)),
-            end_pressure=0.0,
-            cavitation_pressure=0.0,
-        )
-        load = 0.01 * 100.0 / (2.0 * np.pi) * 0.01 * 500.0**2 / S
-        film = bearing.equilibrium(load=(load, 0.0), shaft_speed=100.0)
-        found.append([S, *(film.stiffness * 1e-4 / load).ravel()])
+        load = lund_thomsen_load(bearing, float(S))
+        film = bearing.equilibrium(load=(load, 0.0), shaft_speed=SPEED)
+        found.append([S, *(film.stiffness * bearing.radial_clearance / load).ravel()])
     table = np.array(found)
     names = ("Kxx", "Kxy", "Kyx", "Kyy")
     for k, (name, color) in enumerate(zip(names, (BLUE, ORANGE, GREEN, "#7a4fa3"), strict=True)):
@@ -89,23 +76,8 @@ def friction(axis: Any) -> None:
     """Mixed lubrication of the reference motor's bearing."""
     numbers = np.geomspace(0.001, 0.2, 24)
     axis.loglog(numbers, PUBLISHED_CURVE(numbers), "--", color=INK, label="published fit")
-    for shaft, bush, color in ((0.1, 0.2, BLUE), (0.15, 0.3, ORANGE)):
-        bearing = JournalBearing(
-            diameter=18e-3,
-            length=19e-3,
-            radial_clearance=8.6e-4 * 9e-3,
-            dynamic_viscosity=0.026,
-            grid=(144, 15),
-            cavitation="reynolds",
-            surfaces=RoughSurfaces(
-                moving_roughness=shaft * 1e-6,
-                resting_roughness=bush * 1e-6,
-                effective_modulus=50e9,
-                hardness=0.3e9,
-                boundary_friction=0.0455,
-            ),
-        )
-        sweep = sweep_friction(bearing, load=3000.0, sommerfeld_numbers=numbers)
+    for shaft, bush, color in ((0.1, 0.2, GREEN), (0.13, 0.27, BLUE), (0.15, 0.3, ORANGE)):
+        sweep = pawar_sweep(numbers, roughness=(shaft * 1e-6, bush * 1e-6))
         label = f"roughness {shaft}/{bush} µm"
         axis.loglog(numbers, sweep.friction_coefficient, color=color, label=label)
     axis.set(title="Mixed lubrication", xlabel="Sommerfeld number [-]", ylabel="friction [-]")

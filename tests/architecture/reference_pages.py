@@ -50,6 +50,12 @@ _PAGES = {
 }
 """Titles and tables of the pages beside those of machines."""
 
+_STUDY_END = """
+## What each study is for
+
+[Studies](../../studies/index.md), a page for each.
+"""
+
 
 def case_pages() -> dict[str, str]:
     """Pages ``case_file.md`` and ``case_file/*.md``: all keys of a case, by machine and table."""
@@ -64,6 +70,8 @@ def case_pages() -> dict[str, str]:
     for name, (title, listed) in _PAGES.items():
         body = "".join(text for one in listed.split() for text in _sections(one, named[one]))
         chapters[name] = (title, ", ".join(f"`[{one}]`" for one in listed.split()), body)
+    title, tables, body = chapters["study"]
+    chapters["study"] = (title, tables, body + _STUDY_END)
     index = _HEAD + "".join(
         f"| [{title}](case_file/{name}.md) | {tables} |\n"
         for name, (title, tables, _) in chapters.items()

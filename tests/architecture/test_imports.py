@@ -62,7 +62,7 @@ def test_step_file_without_its_package_is_refused_in_one_line(repository: Path) 
         "import sys\nfrom pathlib import Path\n"
         "sys.modules['OCP'] = None\n"
         "from toothspace.core.errors import GeometryError\n"
-        "from toothspace.geometry.solid_import import SectionRequest, solid_sections\n"
+        "from toothspace.geometry.cad_import import SectionRequest, solid_sections\n"
         "try:\n"
         f"    solid_sections(Path({str(path)!r}), 1e-3, SectionRequest())\n"
         "except GeometryError as error:\n"

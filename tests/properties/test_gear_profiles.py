@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.gear_pair import (
+    flank_clearance,
     pair_from_backlash,
     pair_from_center_distance,
 )
 from toothspace.geometry.involute import InvoluteGear, generate_profile, tooth_form
-from toothspace.geometry.mesh_clearance import flank_clearance
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 
 SETTINGS = settings(max_examples=25)

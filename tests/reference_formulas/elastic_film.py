@@ -23,7 +23,7 @@ import scipy.sparse as sp
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.elasticity.influence_matrix import InfluenceMatrix
+from toothspace.elasticity.influence import InfluenceMatrix
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, solve_plane
 from toothspace.films.reynolds.equation import GapField
 from toothspace.films.reynolds.rough_surfaces import ContactTable, contact_field

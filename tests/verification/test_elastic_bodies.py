@@ -18,8 +18,8 @@ from toothspace.elasticity import (
     SweptShape,
     annulus,
     disc,
+    influence,
     influence_matrix,
-    storage,
 )
 
 pytestmark = pytest.mark.slow
@@ -195,7 +195,7 @@ def test_error_estimate_is_the_difference_to_a_finer_mesh() -> None:
 
 
 def test_stored_matrix_comes_back(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(storage, "folder", lambda: tmp_path)
+    monkeypatch.setattr(influence, "matrix_folder", lambda: tmp_path)
     section = disc(10e-3)
     film = PlaneSurface("face", "top", section, 6e-3)
     shape = SweptShape((Prism(section, 0.0, 6e-3),), 4e-3, 3e-3)

@@ -9,7 +9,7 @@ import shapely
 from tests.external_gear_designs import ALL, FOURTEEN, TWELVE, spaces_at
 from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.gearing.meshing import facing_throats
-from toothspace.gearing.outlines import space_outlines
+from toothspace.gearing.openings import space_outlines
 from toothspace.gearing.spaces import (
     Spaces,
     drive_spaces,

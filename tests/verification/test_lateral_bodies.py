@@ -21,14 +21,15 @@ from toothspace.elasticity import (
     Support,
     SweptShape,
     annulus,
+    influence,
     influence_matrix,
-    storage,
 )
-from toothspace.floating.body_loads import face_deflection
+from toothspace.floating.compliant_film import Accuracy
 from toothspace.floating.deformation import Fineness, film_coefficients, fitted, response
 from toothspace.floating.elastic_faces import (
     ElasticFaces,
     elastic_faces,
+    face_deflection,
 )
 from toothspace.floating.equilibrium import (
     Equilibrium,
@@ -36,7 +37,6 @@ from toothspace.floating.equilibrium import (
     find_equilibrium,
     march_angles,
 )
-from toothspace.floating.local_deformation import Accuracy
 from toothspace.floating.motion import Balance, StepSettings, state_at
 from toothspace.floating.problem import LateralProblem, lateral_problem, numbers_of
 from toothspace.floating.stack import PreviousStep, Snapshot, Stack, StackState
@@ -77,7 +77,7 @@ def _bodies() -> dict[str, ElasticBody]:
 @pytest.fixture(scope="module")
 def faces(tmp_path_factory: pytest.TempPathFactory) -> ElasticFaces:
     patch = pytest.MonkeyPatch()
-    patch.setattr(storage, "folder", lambda: tmp_path_factory.getbasetemp() / "elastic")
+    patch.setattr(influence, "matrix_folder", lambda: tmp_path_factory.getbasetemp() / "elastic")
     found = elastic_faces(ring_stack(cells=CELLS).grids, _bodies())
     patch.undo()
     return found
@@ -155,7 +155,7 @@ def test_pressure_all_round_shrinks_the_ring_as_hydrostatic_pressure_does(
 ) -> None:
     """A named load follows the node pressure of the snapshot: round the ring alone it swells by
     nu p b / E, with both faces pressed as well it shrinks by (1 - 2 nu) p b / (2 E)."""
-    monkeypatch.setattr(storage, "folder", lambda: tmp_path)
+    monkeypatch.setattr(influence, "matrix_folder", lambda: tmp_path)
     loaded = _round_the_ring(faces)
     stack = _stack(loaded)
     rise, poisson = 1e7, 0.3
@@ -181,7 +181,7 @@ def test_mesh_error_is_the_difference_to_finer_bodies(
     faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Richardson from elements 1.5 times as small covers what a mesh of half the size changes."""
-    monkeypatch.setattr(storage, "folder", lambda: tmp_path)
+    monkeypatch.setattr(influence, "matrix_folder", lambda: tmp_path)
     stack = _stack(faces)
     snapshot = stack.snapshot(0.0, pressures(HIGH))
     wave = 1e7 * (1.0 + np.cos(2 * stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)

@@ -1,1 +1,1 @@
-"""What an engineer should know of a machine and of a result, asked when somebody wants to know."""
+"""Design rules, limits, strength and findings, computed on request."""

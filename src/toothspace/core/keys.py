@@ -511,7 +511,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 def _keep_unknown(problems: Problems, raw: Mapping[str, Any], known: Iterable[str]) -> None:
-    """Keep keys that nobody reads, with the nearest known one."""
+    """Record unknown keys, with the nearest known one."""
     names = list(known)
     for name in raw:
         if name not in names:
@@ -751,6 +751,11 @@ class KeyTable:
 def declare(key: Key, default: Any = MISSING) -> Any:
     """Declare a dataclass field that is read from a key; without default it is compulsory."""
     return field(metadata={_METADATA: key}, default=default)
+
+
+def again(spec: type, name: str, default: Any = MISSING) -> Any:
+    """Declare a key of another table once more, with a default of its own."""
+    return declare(keys_of(spec)[name][0], default)
 
 
 def optional(spec: type, name: str) -> Any:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 Progress = Callable[[float, str], None]
-"""Called with the finished share of a phase, ``UNKNOWN`` where nobody can tell, and its name."""
+"""Called with the finished share of a phase, ``UNKNOWN`` where it has none, and its name."""
 
 UNKNOWN = math.nan
 """Share of a phase whose end is not known. [-]"""
@@ -28,7 +28,7 @@ def reporting_to(progress: Progress | None) -> Iterator[None]:
 
 
 def report_share(share: float, text: str) -> None:
-    """Report a share [-] of a phase that nobody has handed a listener to."""
+    """Report a share [-] of a phase that has no listener of its own."""
     tell(_LISTENER.get(), share, text)
 
 

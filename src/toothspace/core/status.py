@@ -1,8 +1,9 @@
-"""Outcome of a run."""
+"""Outcome of a run, and what happened in it."""
 
 from __future__ import annotations
 
 from enum import Enum
+from typing import NamedTuple
 
 
 class Status(Enum):
@@ -20,6 +21,10 @@ class Status(Enum):
     STEP_TOO_SMALL = (
         "The time step fell below its limit. Look at the warnings and at the last events in the "
         "result; check clearances, the timing of the ports and pressures."
+    )
+    OUT_OF_MESH = (
+        "A body turned so far from its place in the mesh that its teeth would have skipped: a "
+        "warning says which. Follow it."
     )
     MAX_STEPS = "The maximum number of steps was reached. Raise run.max_steps."
     NOT_CONVERGED = (
@@ -47,3 +52,16 @@ class Status(Enum):
     def succeeded(self) -> bool:
         """Whether the run did what was asked."""
         return self is Status.DONE
+
+
+class Event(NamedTuple):
+    """Something that happened during a run."""
+
+    shaft_angle: float
+    """Shaft angle. [rad]"""
+    time: float
+    """Time. [s]"""
+    kind: str
+    """For example ``cavitation_onset``, ``contact_change`` or ``body_at_stop``."""
+    label: str
+    """Chamber, contact or body concerned."""

@@ -6,24 +6,28 @@ with them, so that loads, not factors, are what is kept: memory is that of the o
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.linalg.blas import dgemm, dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf
+import scipy
 
 from toothspace.core.compiled import njit
 from toothspace.core.errors import GeometryError
 from toothspace.core.progress import report_share
-from toothspace.core.types import Array, IntArray
-from toothspace.elasticity.dissection import Separator, dissect
+from toothspace.core.types import Array, BoolArray, IntArray
 
 
 def flexibility(
-    stiffness: sp.csr_matrix, nodes: Array, loads: sp.csc_matrix, fixed: IntArray
+    stiffness: scipy.sparse.csr_matrix,
+    nodes: Array,
+    loads: scipy.sparse.csc_matrix,
+    fixed: IntArray,
 ) -> Array:
     r"""Work of every load on the displacement by every other, :math:`F^T K^{-1} F`.
+
+    Flexibility, symmetric positive semidefinite, shape (m, m). [N m]
+
+    Raises GeometryError if the body is not held or falls apart.
 
     Parameters
     ----------
@@ -36,16 +40,6 @@ def flexibility(
     fixed : ndarray of int
         Unknowns that are held. [-]
 
-    Returns
-    -------
-    ndarray, shape (m, m)
-        Flexibility, symmetric positive semidefinite. [N m]
-
-    Raises
-    ------
-    GeometryError
-        If the body is not held or falls apart.
-
     References
     ----------
     .. [1] I. S. Duff, J. K. Reid, The multifrontal solution of indefinite sparse symmetric
@@ -55,7 +49,8 @@ def flexibility(
     blocks = stiffness.tobsr(blocksize=(3, 3))
     blocks.sort_indices()
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
-    graph = sp.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    graph = scipy.sparse.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    # parts that share no unknown are eliminated apart, so fronts stay small
     parts = _planned(dissect(nodes, graph), graph, rows)
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
@@ -63,6 +58,7 @@ def flexibility(
     spent = np.cumsum([sum(part.sizes) ** 2 * part.sizes[0] for part in parts], dtype=float)
     for part, cost in zip(parts, spent, strict=True):
         report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
+        # own entries, then what the children left; their memory is a stack, the last one on top
         front = work.front(part)
         _assemble(part, (stiffness, rows), place, front)
         for child in reversed(part.children):
@@ -77,8 +73,8 @@ def flexibility(
 
 
 def _held(
-    stiffness: sp.csr_matrix, loads: sp.csr_matrix, fixed: IntArray
-) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    stiffness: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix, fixed: IntArray
+) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
     """Decouple held unknowns and drop their loads."""
     if not fixed.size:
         return stiffness, loads
@@ -90,7 +86,7 @@ def _held(
     # the diagonal stays, and with it the pattern of 3 x 3 blocks
     own = (rows == held.indices) & (keep[rows] == 0.0)
     held.data[own] = stiffness.data[own]
-    return held, (sp.diags(keep) @ loads).tocsr()
+    return held, (scipy.sparse.diags(keep) @ loads).tocsr()
 
 
 class _EliminationPart(NamedTuple):
@@ -107,7 +103,7 @@ class _EliminationPart(NamedTuple):
 
 
 def _planned(
-    tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix
+    tree: list[Separator], graph: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix
 ) -> list[_EliminationPart]:
     """What every front holds."""
     parts: list[_EliminationPart] = []
@@ -203,7 +199,7 @@ def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Arr
 
 def _assemble(
     part: _EliminationPart,
-    system: tuple[sp.csr_matrix, sp.csr_matrix],
+    system: tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix],
     place: IntArray,
     front: _Front,
 ) -> None:
@@ -273,7 +269,7 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
     count, outer, loads = part.sizes
     if not count:
         return front
-    lower, info = dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
+    lower, info = scipy.linalg.lapack.dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
     if info != 0:
         raise GeometryError(
             "elastic body",
@@ -282,11 +278,132 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
         )
     below, rest, own, passed = front[1:]
     if outer:
-        below = dtrsm(1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1)
-        rest = dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
+        below = scipy.linalg.blas.dtrsm(
+            1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1
+        )
+        rest = scipy.linalg.blas.dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
     if loads:
-        own = dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
-        total[np.ix_(part.columns, part.columns)] += dsyrk(1.0, own, lower=1)
+        own = scipy.linalg.blas.dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
+        total[np.ix_(part.columns, part.columns)] += scipy.linalg.blas.dsyrk(1.0, own, lower=1)
     if outer and loads:
-        passed = dgemm(-1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1)
+        passed = scipy.linalg.blas.dgemm(
+            -1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1
+        )
     return _Front(lower, below, rest, own, passed)
+
+
+_LEAF = 96
+"""Nodes below which a part is not divided."""
+
+_SMALLEST = 0.2
+"""Share of the nodes that the smaller half has at least."""
+
+
+@final
+class Separator(NamedTuple):
+    """Part of the nodes that is eliminated at once."""
+
+    nodes: IntArray
+    children: tuple[int, ...]
+
+
+def dissect(nodes: Array, graph: scipy.sparse.csr_matrix) -> list[Separator]:
+    """Parts of a nested dissection in the order of elimination.
+
+    Children before parents, all parts of a child next to each other; the last is the root.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n, 3)
+        Places; parts are cut across x, y or z, wherever fewest nodes are in the way. [m]
+    graph : csr_matrix
+        Pattern of the node couplings. [-]
+
+    References
+    ----------
+    .. [1] A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal.
+       10 (1973) 345-363.
+    """
+    tree: list[Separator] = []
+    mark = np.zeros(len(nodes), dtype=np.bool_)
+
+    def divide(part: IntArray) -> int:
+        halves = _halves(part, nodes, graph, mark) if part.size > _LEAF else None
+        if halves is None:
+            tree.append(Separator(part, ()))
+            return len(tree) - 1
+        low, high, cut = halves
+        children = tuple(divide(half) for half in (low, high) if half.size)
+        tree.append(Separator(cut, children))
+        return len(tree) - 1
+
+    divide(np.arange(len(nodes), dtype=np.int64))
+    return tree
+
+
+class _Cut(NamedTuple):
+    # plane that cuts a part; whether its nodes below or above the plane are taken
+    cost: float
+    axis: int
+    level: float
+    from_below: bool
+
+
+def _halves(
+    part: IntArray, nodes: Array, graph: scipy.sparse.csr_matrix, mark: BoolArray
+) -> tuple[IntArray, IntArray, IntArray] | None:
+    """Two halves and the nodes of the one that touch the other; None if nothing cuts them."""
+    place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))
+    mark[part] = True
+    _reach(part, (graph.indptr, graph.indices), nodes, mark, reach)
+    mark[part] = False
+    found = [_best_cut(axis, place[:, axis], *(end[:, axis] for end in reach)) for axis in range(3)]
+    best = min((cut for cut in found if cut is not None), default=None)
+    if best is None:
+        return None
+    below = place[:, best.axis] < best.level
+    lowest, highest = (end[:, best.axis] for end in reach)
+    between = below & (highest >= best.level) if best.from_below else ~below & (lowest < best.level)
+    return part[below & ~between], part[~below & ~between], part[between]
+
+
+@njit
+def _reach(
+    part: IntArray,
+    graph: tuple[Array, Array],
+    nodes: Array,
+    mark: BoolArray,
+    reach: tuple[Array, Array],
+) -> None:
+    """Lowest and highest place of every node and its neighbours in the part, along all axes."""
+    start, column = graph
+    lowest, highest = reach
+    for k in range(part.size):
+        for axis in range(3):
+            lowest[k, axis] = highest[k, axis] = nodes[part[k], axis]
+        for j in range(start[part[k]], start[part[k] + 1]):
+            if mark[column[j]]:
+                for axis in range(3):
+                    x = nodes[column[j], axis]
+                    lowest[k, axis] = min(lowest[k, axis], x)
+                    highest[k, axis] = max(highest[k, axis], x)
+
+
+def _best_cut(axis: int, place: Array, lowest: Array, highest: Array) -> _Cut | None:
+    """Plane across an axis with few nodes in the way for the entropy of the halves."""
+    ranked, count = np.sort(place), place.size
+    first, last = int(_SMALLEST * count), int((1.0 - _SMALLEST) * count)
+    levels = np.unique(ranked[first : last + 1])
+    levels = levels[levels > ranked[0]]
+    if not levels.size:
+        return None
+    below = np.searchsorted(ranked, levels)
+    crossing = (
+        below - np.searchsorted(np.sort(highest), levels),
+        np.searchsorted(np.sort(lowest), levels) - below,
+    )
+    share = below / count
+    order = -share * np.log(share) - (1.0 - share) * np.log(1.0 - share)
+    cost = np.minimum(*crossing) / order
+    k = int(np.argmin(cost))
+    return _Cut(float(cost[k]), axis, float(levels[k]), bool(crossing[0][k] <= crossing[1][k]))

@@ -1,16 +1,185 @@
-"""Meshes of hexahedra or ten-node tetrahedra, and bodies swept along z."""
+"""Meshes of hexahedra or ten-node tetrahedra: triangulated sections swept along z, STEP files."""
 
 from __future__ import annotations
 
+import hashlib
+import subprocess
+import tempfile
 from dataclasses import dataclass
-from typing import final
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple, final
 
 import numpy as np
+import scipy
 import shapely
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.processes import program_named
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.elasticity.triangulation import Triangulation, triangulate
+
+_SNAP = 1e-6
+"""Distance over the edge length at which boundaries are taken as one. [-]"""
+
+_BORDER = 0.62
+"""Smallest distance of inner points from the boundary over the edge length. [-]"""
+
+_SMOOTHING = 6
+_MAX_SPLITS = 40
+
+
+@final
+class Triangulation(NamedTuple):
+    """Triangles of a plane region."""
+
+    points: Array  # (points, 2) [m]
+    triangles: IntArray  # (triangles, 3) counter-clockwise
+
+
+def triangulate(
+    regions: list[shapely.Polygon], edge_length: float, chord: float = 0.02
+) -> Triangulation:
+    """Triangulate the union of regions; the boundary of each region becomes edges.
+
+    Points and counter-clockwise triangles.
+
+    Raises GeometryError if the regions are empty or the edges are too long for them.
+
+    Parameters
+    ----------
+    regions : list of Polygon
+        Plane regions; they may overlap or lie inside one another. [m]
+    edge_length : float
+        Target length of the edges. [m]
+    chord : float
+        Largest distance of the boundary from its chords over the edge length. [-]
+
+    Notes
+    -----
+    Boundary edges are split until the circle over each of them is empty, so that they are edges
+    of the Delaunay triangulation; inner points start on a triangular lattice and are smoothed.
+    """
+    whole = shapely.union_all(regions)
+    if whole.is_empty or not edge_length > 0.0:
+        raise GeometryError("elastic body", "an empty section", "are closed outlines")
+    boundary, edges = _boundary_points(regions, edge_length, chord)
+    border = shapely.linestrings(boundary[edges])
+    inner = _lattice(whole, shapely.union_all(border), edge_length)
+    boundary, edges, inner = _clear_edges(boundary, edges, inner)
+    for _ in range(_SMOOTHING if len(inner) else 0):
+        # move inner points to the mean of their neighbours
+        points = np.vstack([boundary, inner])
+        start, neighbours = scipy.spatial.Delaunay(points).vertex_neighbor_vertices
+        sums = np.add.reduceat(points[neighbours], start[:-1], axis=0)
+        mean = sums / np.diff(start)[:, None]
+        inner = np.asarray(mean[len(boundary) :], dtype=float)
+        _, _, inner = _clear_edges(boundary, edges, inner, split=False)
+    points = np.vstack([boundary, inner])
+    # triangles whose centre is in the region, counter-clockwise, without slivers
+    simplices = scipy.spatial.Delaunay(points).simplices
+    centre = points[simplices].mean(axis=1)
+    kept = simplices[shapely.contains_xy(whole, centre[:, 0], centre[:, 1])]
+    a, b, c = (points[kept[:, k]] for k in range(3))
+    double = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    kept = np.where(double[:, None] > 0.0, kept, kept[:, [0, 2, 1]])
+    longest = np.maximum(np.hypot(*(b - a).T), np.hypot(*(c - a).T))
+    triangles = np.asarray(kept[np.abs(double) > 1e-6 * longest**2], dtype=np.int64)
+    used, index = np.unique(triangles, return_inverse=True)
+    if used.size < 3:
+        raise GeometryError(
+            "elastic body",
+            f"an element size of {edge_length:.3g} m",
+            "are sizes that resolve the section",
+        )
+    return Triangulation(points[used], index.reshape(-1, 3).astype(np.int64))
+
+
+def _boundary_points(
+    regions: list[shapely.Polygon], edge: float, chord: float
+) -> tuple[Array, IntArray]:
+    """Points on all boundaries and the edges between them."""
+    lines = shapely.union_all([r.boundary for r in regions], grid_size=_SNAP * edge)
+    pieces = shapely.get_parts(shapely.line_merge(lines))
+    pieces = shapely.simplify(pieces, chord * edge, preserve_topology=True)
+    points: list[Array] = []
+    edges: list[IntArray] = []
+    start = 0
+    for piece in pieces:
+        chain = _resampled(np.asarray(piece.coords)[:, :2], edge)
+        count = len(chain)
+        points.append(chain)
+        first = np.arange(start, start + count - 1)
+        edges.append(np.column_stack([first, first + 1]))
+        start += count
+    return _merged(np.vstack(points), np.vstack(edges).astype(np.int64), 1e-6 * edge)
+
+
+def _resampled(chain: Array, edge: float) -> Array:
+    """Split long segments of a chain into equal parts."""
+    out = [chain[:1]]
+    for first, last in pairwise(chain):
+        count = max(1, int(np.ceil(np.hypot(*(last - first)) / edge - 1e-9)))
+        parts = np.linspace(0.0, 1.0, count + 1)[1:, None]
+        out.append(first + parts * (last - first))
+    return np.vstack(out)
+
+
+def _merged(points: Array, edges: IntArray, tolerance: float) -> tuple[Array, IntArray]:
+    """Join points that coincide."""
+    _, first, index = np.unique(
+        np.round(points / tolerance).astype(np.int64),
+        axis=0,
+        return_index=True,
+        return_inverse=True,
+    )
+    joined = np.sort(index.ravel()[edges], axis=1)
+    joined = np.unique(joined[joined[:, 0] != joined[:, 1]], axis=0)
+    return points[first], joined.astype(np.int64)
+
+
+def _lattice(whole: shapely.Polygon, border: shapely.Geometry, edge: float) -> Array:
+    left, low, right, high = whole.bounds
+    rise = edge * np.sqrt(0.75)
+    rows = np.arange(low + 0.37 * rise, high, rise)
+    x = np.arange(left - edge, right + edge, edge)
+    grid = np.array([(u + 0.5 * edge * (k % 2), v) for k, v in enumerate(rows) for u in x])
+    if grid.size == 0:
+        return np.empty((0, 2))
+    grid = grid[shapely.contains_xy(whole, grid[:, 0], grid[:, 1])]
+    far = shapely.distance(shapely.points(grid), border) > _BORDER * edge
+    return np.asarray(grid[far], dtype=float)
+
+
+def _clear_edges(
+    boundary: Array, edges: IntArray, inner: Array, *, split: bool = True
+) -> tuple[Array, IntArray, Array]:
+    """Drop inner points from the circles over the edges; split edges near other boundaries."""
+    for _ in range(_MAX_SPLITS):
+        middle = boundary[edges].mean(axis=1)
+        radius = 0.5 * np.hypot(*(boundary[edges[:, 0]] - boundary[edges[:, 1]]).T)
+        if len(inner):
+            hits = scipy.spatial.cKDTree(inner).query_ball_point(middle, 1.001 * radius)
+            dropped = np.unique(np.concatenate([np.asarray(h, dtype=int) for h in hits]))
+            inner = np.delete(inner, dropped, axis=0)
+        if not split:
+            break
+        counts = scipy.spatial.cKDTree(boundary).query_ball_point(middle, (1.0 - 1e-9) * radius)
+        crowded = np.array(
+            [bool(set(near) - set(edge)) for near, edge in zip(counts, edges.tolist(), strict=True)]
+        )
+        if not crowded.any():
+            break
+        boundary, edges = _split(boundary, edges, crowded)
+    return boundary, edges, inner
+
+
+def _split(boundary: Array, edges: IntArray, chosen: BoolArray) -> tuple[Array, IntArray]:
+    middle = boundary[edges[chosen]].mean(axis=1)
+    index = len(boundary) + np.arange(len(middle))
+    first = np.column_stack([edges[chosen, 0], index])
+    second = np.column_stack([index, edges[chosen, 1]])
+    return np.vstack([boundary, middle]), np.vstack([edges[~chosen], first, second])
+
 
 _LEVEL_STEP = 1e-9
 """Levels nearer to each other are one. [m]"""
@@ -100,8 +269,23 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
         raise GeometryError("elastic body", "no parts", "are one or more prisms")
     plane = triangulate([part.section for part in parts], edge_length)
     points, quads = _quadrilaterals(plane)
-    levels = _levels(parts, layer_height)
-    active = _active(parts, points[quads].mean(axis=1), 0.5 * (levels[1:] + levels[:-1]))
+    # layers between the ends of the parts, no higher than asked for
+    given = np.unique(np.round([v for p in parts for v in (p.bottom, p.top)], 9))
+    kept = given[np.concatenate([[True], np.diff(given) > _LEVEL_STEP])]
+    counts = [max(1, int(np.ceil(step / layer_height - 1e-9))) for step in np.diff(kept)]
+    pieces = [
+        np.linspace(low, high, count + 1)[:-1]
+        for low, high, count in zip(kept[:-1], kept[1:], counts, strict=True)
+    ]
+    levels = np.concatenate([*pieces, kept[-1:]])
+    # cells (layer, quadrilateral) that are solid
+    centres = points[quads].mean(axis=1)
+    heights = 0.5 * (levels[1:] + levels[:-1])
+    active = np.zeros((len(heights), len(centres)), dtype=bool)
+    for part in parts:
+        inside = shapely.contains_xy(part.section, centres[:, 0], centres[:, 1])
+        between = (heights > part.bottom) & (heights < part.top)
+        active |= between[:, None] & inside[None, :]
     count = len(points)
     layer, cell = np.nonzero(active)
     low = quads[cell] + layer[:, None] * count
@@ -126,27 +310,6 @@ def _quadrilaterals(plane: Triangulation) -> tuple[Array, IntArray]:
     return nodes, np.vstack(quads).astype(np.int64)
 
 
-def _levels(parts: tuple[Prism, ...], height: float) -> Array:
-    given = np.unique(np.round([v for p in parts for v in (p.bottom, p.top)], 9))
-    kept = given[np.concatenate([[True], np.diff(given) > _LEVEL_STEP])]
-    counts = [max(1, int(np.ceil(step / height - 1e-9))) for step in np.diff(kept)]
-    pieces = [
-        np.linspace(low, high, count + 1)[:-1]
-        for low, high, count in zip(kept[:-1], kept[1:], counts, strict=True)
-    ]
-    return np.concatenate([*pieces, kept[-1:]])
-
-
-def _active(parts: tuple[Prism, ...], centres: Array, heights: Array) -> BoolArray:
-    """Cells (layer, quadrilateral) that are solid."""
-    active = np.zeros((len(heights), len(centres)), dtype=bool)
-    for part in parts:
-        inside = shapely.contains_xy(part.section, centres[:, 0], centres[:, 1])
-        between = (heights > part.bottom) & (heights < part.top)
-        active |= between[:, None] & inside[None, :]
-    return active
-
-
 _HEX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 _TET_FACES = ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6))
 
@@ -163,3 +326,101 @@ def outer_faces(elements: IntArray, local: tuple[tuple[int, ...], ...]) -> IntAr
 def tetrahedral_mesh(nodes: Array, elements: IntArray) -> SolidMesh:
     """Mesh of ten-node tetrahedra, as read from a file; corners right-handed."""
     return SolidMesh(nodes, elements, outer_faces(elements, _TET_FACES))
+
+
+_STEP_UNIT = 1e-3
+_TETRAHEDRON, _NODES = 11, 10
+_LIMIT = 600.0
+"""Longest time that the mesher may take. [s]"""
+
+# the last two edges of a tetrahedron stand in the other order in these files
+_ORDER = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
+
+
+@final
+@dataclass(frozen=True)
+class SolidFile:
+    """Body of a STEP file, as ten-node tetrahedra.
+
+    The file is in millimetres and in the frame of the body: for a bearing z = 0 on its film face,
+    for a gear in the middle of its face width.
+    """
+
+    path: Path
+    """STEP file with one body."""
+    edge_length: float
+    """Longest edge of the tetrahedra. [m]"""
+    named_by: str = ""
+    """Key of the case that names the file, for messages."""
+
+    @property
+    def label(self) -> str:
+        """What the body is called in messages."""
+        return f"{self.named_by}: {self.path.name}" if self.named_by else str(self.path)
+
+    def mesh(self, scale: float = 1.0) -> SolidMesh:
+        """Tetrahedra; elements larger by a factor.
+
+        Raises
+        ------
+        GeometryError
+            If the file or the program ``gmsh`` is missing or the body cannot be meshed.
+        """
+        if not self.path.is_file():
+            raise GeometryError(self.label, "no file", "is a STEP file")
+        program = program_named("gmsh")
+        if program is None:
+            raise GeometryError(
+                self.label,
+                "no program gmsh",
+                'with it on the path (pip install "toothspace[bodies]")',
+            )
+        with tempfile.TemporaryDirectory() as folder:
+            text = self._meshed(program, Path(folder), scale * self.edge_length / _STEP_UNIT)
+        # nodes and tetrahedra of a mesh file of version 2
+        lines = text.splitlines()
+        nodes = np.array([line.split() for line in _block(lines, "Nodes")], dtype=float)
+        rows = [line.split() for line in _block(lines, "Elements")]
+        solid = [row[-_NODES:] for row in rows if int(row[1]) == _TETRAHEDRON]
+        if not solid:
+            raise GeometryError(self.label, "no body", "is one closed solid")
+        number = np.full(int(nodes[:, 0].max()) + 1, -1, dtype=np.int64)
+        number[nodes[:, 0].astype(np.int64)] = np.arange(len(nodes))
+        elements = number[np.array(solid, dtype=np.int64)][:, _ORDER]
+        used, index = np.unique(elements, return_inverse=True)
+        return tetrahedral_mesh(
+            (_STEP_UNIT * nodes[:, 1:4])[used], index.reshape(elements.shape).astype(np.int64)
+        )
+
+    def _meshed(self, program: str, folder: Path, size: float) -> str:
+        """Mesh file of version 2, as text."""
+        target = folder / "body.msh"
+        command = [program, str(self.path.resolve()), "-3", "-order", "2", "-format", "msh22"]
+        sizes = ["-clmax", f"{size:.9g}", "-clmin", f"{0.2 * size:.9g}"]
+        straight = ["-setnumber", "Mesh.SecondOrderLinear", "1", "-setnumber", "Mesh.Binary", "0"]
+        try:
+            subprocess.run(
+                [*command, *sizes, *straight, "-v", "1", "-o", str(target)],
+                check=True,
+                capture_output=True,
+                timeout=_LIMIT,
+                cwd=folder,
+            )
+        except (subprocess.SubprocessError, OSError) as error:
+            raise GeometryError(
+                self.label, "a body that gmsh cannot mesh", "are closed solids"
+            ) from error
+        if not target.is_file():
+            raise GeometryError(self.label, "no body", "is one closed solid")
+        return target.read_text()
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines the shape: the content of the file, not its name."""
+        content = self.path.read_bytes() if self.path.is_file() else b""
+        return ("solid", hashlib.sha256(content).hexdigest(), self.edge_length)
+
+
+def _block(lines: list[str], name: str) -> list[str]:
+    """Lines of a section without its count."""
+    start = lines.index(f"${name}") + 2
+    return lines[start : lines.index(f"$End{name}")]

@@ -10,8 +10,7 @@ import numpy as np
 from toothspace.films.journal.shaft_motion import Orbit, critical_mass
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import PadSolution
-from toothspace.films.plane.rigid_faces import FaceFilms
-from toothspace.films.plane.ring import LateralSolution
+from toothspace.films.plane.ring import FaceFilms, LateralSolution
 from toothspace.films.thermal import HeatedFilm
 
 _LITRES_PER_MINUTE = 6e4
@@ -21,6 +20,12 @@ _ZERO_CELSIUS = 273.15
 
 def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
     """Numbers of a journal film with unit suffixes."""
+    # largest stable mass per bearing and the whirl there, none if every mass is stable
+    mass, whirl = float("inf"), 0.0
+    if np.trace(film.damping) > 0.0 and np.linalg.det(film.damping) > 0.0:
+        mass, whirl = critical_mass(film.stiffness, film.damping)
+    speed = abs(film.speed.shaft)
+    found = np.isfinite(mass) and speed > 0.0
     return {
         "force_x_N": float(film.force[0]),
         "force_y_N": float(film.force[1]),
@@ -47,7 +52,10 @@ def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
         "stiffness_N_per_m": film.stiffness.tolist(),
         "damping_N_s_per_m": film.damping.tolist(),
         **_tilt_coefficients(film),
-        **_stability(film),
+        **{
+            "critical_mass_kg": _finite(mass),
+            "whirl_frequency_ratio": whirl / speed if found else None,
+        },
         "status": film.status.name.lower(),
     }
 
@@ -58,19 +66,6 @@ def _tilt_coefficients(film: JournalBearingSolution) -> dict[str, Any]:
         return {}
     stiffness, damping = film.coefficients()
     return {"stiffness_4x4": stiffness.tolist(), "damping_4x4": damping.tolist()}
-
-
-def _stability(film: JournalBearingSolution) -> dict[str, Any]:
-    """Largest stable mass per bearing and the whirl there, none if every mass is stable."""
-    mass, whirl = float("inf"), 0.0
-    if np.trace(film.damping) > 0.0 and np.linalg.det(film.damping) > 0.0:
-        mass, whirl = critical_mass(film.stiffness, film.damping)
-    speed = abs(film.speed.shaft)
-    found = np.isfinite(mass) and speed > 0.0
-    return {
-        "critical_mass_kg": _finite(mass),
-        "whirl_frequency_ratio": whirl / speed if found else None,
-    }
 
 
 def faces_summary(faces: FaceFilms) -> dict[str, Any]:

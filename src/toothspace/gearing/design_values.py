@@ -13,7 +13,7 @@ from toothspace.core.keys import Integer, KeyTable, Number, QuantityKey, Table, 
 from toothspace.core.types import Array, BoolArray
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import TOOTH_KEYS
-from toothspace.geometry.involute_gears import InvoluteGears
+from toothspace.geometry.involute_gear import InvoluteGears
 
 _ROUNDING = 1e-12
 _CHUNK = 8192
@@ -71,10 +71,7 @@ class DesignValues:
     def in_range(self, *tables: str) -> BoolArray:
         """Whether all varied values lie in the range of their keys.
 
-        Raises
-        ------
-        CaseError
-            If a key does not act on the kinematics.
+        Raises CaseError if a key does not act on the kinematics.
         """
         names = (*TOOTH_KEYS, "face_width", "normal_backlash", "center_distance")
         found = np.ones(self.size, dtype=bool)

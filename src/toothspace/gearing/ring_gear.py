@@ -15,8 +15,9 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
-from toothspace.geometry.curve import CurveSegment, polar, sample_segments, turned_copies
+from toothspace.geometry.curve import CurveSegment, polar, sample_segments, turned, turned_copies
 from toothspace.geometry.gear_pair import InvolutePair
+from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
 from toothspace.numerics.roots import root_between
 
@@ -127,17 +128,14 @@ class RingGear:
 def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:
     """Teeth of a ring as one closed curve about its centre.
 
+    Counter-clockwise, shape (n, 2). [m]
+
     Parameters
     ----------
     points : int
         Intervals on one pitch.
     rotation : float
         Angle of a tooth from the x axis. [rad]
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Counter-clockwise. [m]
     """
     half, _ = ring.half_pitch(points // 2)
     pitch: Array = np.vstack([half[:0:-1] * (1.0, -1.0), half])[:-1]
@@ -271,6 +269,8 @@ def pair_from_backlash(
 ) -> InternalPair:
     r"""Pinion in a ring at the centre distance that leaves a given normal backlash.
 
+    Raises GeometryError if no operating pressure angle exists.
+
     Parameters
     ----------
     pinion : InvoluteGear
@@ -279,11 +279,6 @@ def pair_from_backlash(
         Ring gear of equal module and pressure angle, with more teeth.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Raises
-    ------
-    GeometryError
-        If no operating pressure angle exists.
 
     Notes
     -----
@@ -312,3 +307,54 @@ def pair_from_backlash(
         )
     angle = root_between(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, 1e-15)
     return InternalPair(pinion, ring, float(difference / np.cos(angle)))
+
+
+_LAND = 2e-4
+"""Height above the tip circle, over its radius, up to which points count to the tip land. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class RingProfile:
+    """Teeth of a ring gear from a curve."""
+
+    spaces: GearProfile
+    """The curve as a gear whose teeth are the ring's spaces."""
+
+    @property
+    def tip_radius(self) -> float:
+        """Circle inside the teeth. [m]."""
+        return self.spaces.root_radius
+
+    @property
+    def root_radius(self) -> float:
+        """Circle at the bottom of the spaces. [m]."""
+        return self.spaces.tip_radius
+
+    @property
+    def flank(self) -> Array:
+        """Counter-clockwise flank of a tooth on the +x axis, from root middle to tip corner. [m].
+
+        The curve is that of the clockwise half of the space ahead.
+        """
+        middle = (self.spaces.tip_start + self.spaces.tip_end) // 2
+        half = self.spaces.points[: middle + 1][::-1]
+        radius = np.hypot(*half.T)
+        last = int(np.argmax(radius < self.tip_radius * (1.0 + _LAND)))
+        turn = np.pi / self.spaces.tooth_count - np.arctan2(half[0, 1], half[0, 0])
+        corner = turned(half[: last + 1], turn)
+        corner[-1] *= self.tip_radius / np.hypot(*corner[-1])
+        return np.asarray(corner, dtype=float)
+
+
+def profile_tooth(ring: RingProfile) -> Tooth:
+    """Splines through both flanks of a ring gear, whose count and radii are negative."""
+    breaks = np.zeros(0, dtype=int)
+    left = flank_spline(ring.flank * (-1.0, 1.0), breaks, LEFT, -ring.tip_radius)
+    right = flank_spline(ring.flank * (-1.0, -1.0), breaks, RIGHT, -ring.tip_radius)
+    return Tooth(left, right, -ring.spaces.tooth_count, -ring.tip_radius)
+
+
+def profile_outline(ring: RingProfile, rotation: float) -> Array:
+    """Teeth as one closed curve about the ring's centre, a tooth at an angle from x [rad]. [m]."""
+    return ring.spaces.closed_polygon(rotation + np.pi / ring.spaces.tooth_count)

@@ -1,22 +1,22 @@
-"""Flow paths of the tooth spaces of a gear pair, and the chambers that they join."""
+"""Flow paths of chambers in a ring and of the tooth spaces of a gear pair."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
 from toothspace.closures.gap_flow import ring_sector_gap
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.gearing import meshing
-from toothspace.gearing.chamber_paths import ChamberPaths
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import port_lengths
 from toothspace.gearing.spaces import Spaces, area_by_motion, section_areas
 from toothspace.model.description import ChamberFamily, FlowPath
+from toothspace.model.machine_parts import PathKind
 from toothspace.model.path_category import (
     DRAIN,
     INLET_GROOVE,
@@ -27,6 +27,65 @@ from toothspace.model.path_category import (
     PathCategory,
 )
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ChamberPaths:
+    """Chambers round one axis, numbered round it, and the lands between neighbours."""
+
+    nodes: IntArray
+    """Nodes of the chambers."""
+    behind: IntArray
+    ahead: IntArray
+    """Nodes behind and ahead of every land in the sense of rotation."""
+    angle_ratio: float
+    """Growth of the places per shaft angle. [-]"""
+    phases: Array
+    land_phases: Array
+    """Places of chambers and lands at shaft angle zero. [rad]"""
+
+    def over_lands(
+        self, name: str, category: PathCategory, geometry: Array, kind: PathKind = "parallel_gap",
+        **other: Any,
+    ) -> FlowPath:  # fmt: skip
+        """Path over the lands, with its channels [SI] over the place, or one row of them.
+
+        ``other`` are further fields of the path.
+        """
+        return FlowPath(
+            name=name,
+            category=category,
+            kind=kind,
+            nodes_a=self.behind,
+            nodes_b=self.ahead,
+            angle_ratio=self.angle_ratio,
+            phases=self.land_phases,
+            geometry=monotone_table(FULL_TURN, _over_place(geometry)),
+            **other,
+        )
+
+    def to_node(
+        self, name: str, category: PathCategory, geometry: Array, node: int,
+        kind: PathKind = "parallel_gap", multiplicity: float = 1.0,
+    ) -> FlowPath:  # fmt: skip
+        """Path from every chamber to one node, its channels [SI] over the place, or one row."""
+        return FlowPath(
+            name=name,
+            category=category,
+            kind=kind,
+            nodes_a=self.nodes,
+            nodes_b=np.full_like(self.nodes, node),
+            angle_ratio=self.angle_ratio,
+            phases=self.phases,
+            geometry=monotone_table(FULL_TURN, _over_place(geometry)),
+            multiplicity=multiplicity,
+        )
+
+
+def _over_place(geometry: Array) -> Array:
+    return np.tile(geometry, (4, 1)) if geometry.ndim == 1 else geometry
+
 
 FLANK = PathCategory("flank", "flanks", "#56B4E9", "mesh")
 FACES = 2
@@ -176,7 +235,7 @@ class ToothSpaces:
             minimum_height=roughness,
         )
 
-    def mouths(self, edges: tuple[float, float]) -> list[FlowPath]:
+    def port_openings(self, edges: tuple[float, float]) -> list[FlowPath]:
         """Openings at the tip circle between mesh and the edges of inlet and outlet [rad]."""
         tables = {}
         for port, length in zip(_PORTS, port_lengths(self.spaces, edges), strict=True):
@@ -197,17 +256,14 @@ class ToothSpaces:
     def lateral(self, height: float, space_area: float) -> FlowPath:
         """Gaps over the tooth faces, from the space behind to the space ahead.
 
+        A land as wide as the teeth are high and as long as they are thick in the mean.
+
         Parameters
         ----------
         height : float
             Film height. [m]
         space_area : float
             Area of a space up to the tip circle, out of mesh. [m2]
-
-        Returns
-        -------
-        FlowPath
-            A land as wide as the teeth are high and as long as they are thick in the mean.
         """
         tip, root = (abs(r) for r in (self.spaces.own.tip_radius, self.gears.root_radii[self.gear]))
         depth, middle = abs(tip - root), 0.5 * (tip + root)
@@ -225,17 +281,14 @@ class ToothSpaces:
     def drain(self, height: float, radii: tuple[float, float]) -> FlowPath:
         """Gaps over the land behind the tooth roots, to the drain.
 
+        The path, :func:`~toothspace.closures.gap_flow.ring_sector_gap`.
+
         Parameters
         ----------
         height : float
             Film height. [m]
         radii : tuple of float
             Inner and outer radius of the land, which leaks as a ring sector does. [m]
-
-        Returns
-        -------
-        FlowPath
-            The path, :func:`~toothspace.closures.gap_flow.ring_sector_gap`.
         """
         sector = ring_sector_gap(*radii, abs(self.spaces.own.pitch_angle))
         row, node = np.array([height, *sector]), self.numbering.drain

@@ -1,13 +1,14 @@
-"""Planar curves: sampling of smooth pieces, orientation, self-crossing, deviation."""
+"""Planar curves: sampling of smooth pieces, orientation, self-crossing, checked polygons."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
+from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 
 _FINE = 801
@@ -50,7 +51,16 @@ def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tu
     scale = sum(_length(segment) for segment in segments)
     densities = [_density(segment, scale) for segment in segments]
     totals = np.array([cumulative[-1] for _, cumulative in densities])
-    counts = _shares(totals, count)
+    # whole shares of the points, two or more a segment, that sum to the count
+    wanted = totals / totals.sum() * count
+    shares = np.maximum(np.floor(wanted).astype(int), 2)
+    while shares.sum() > count:
+        shares[int(np.argmax(shares))] -= 1
+    order = np.argsort(shares - wanted)
+    for index in order[: count - int(shares.sum())]:
+        shares[index] += 1
+    shares[int(np.argmax(shares))] += count - int(shares.sum())
+    counts = [int(value) for value in shares]
     points, breaks = [segments[0].curve(np.zeros(1))], [0]
     for segment, (parameter, cumulative), pieces in zip(segments, densities, counts, strict=True):
         levels = cumulative[-1] * np.arange(1, pieces + 1) / pieces
@@ -82,28 +92,12 @@ def _density(segment: CurveSegment, scale: float) -> tuple[Array, Array]:
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
     turning = np.abs(np.gradient(heading)) / 0.2
     even = length * (20.0 / scale + 3.0 / total)
-    weight = even + turning + length * _crowding(middle, total, scale, segment.crowding)
-    return parameter, np.concatenate([[0.0], np.cumsum(weight)])
-
-
-def _crowding(along: Array, total: float, scale: float, crowding: tuple[float, float]) -> Array:
-    density = np.zeros_like(along)
-    for level, distance in zip(crowding, (along, total - along), strict=True):
+    density = np.zeros_like(middle)
+    for level, distance in zip(segment.crowding, (middle, total - middle), strict=True):
         if level > 0.0:
             density += 1.0 / (distance + scale * 10.0 ** (-3.0 - 1.5 * level))
-    return density
-
-
-def _shares(totals: Array, count: int) -> list[int]:
-    wanted = totals / totals.sum() * count
-    shares = np.maximum(np.floor(wanted).astype(int), 2)
-    while shares.sum() > count:
-        shares[int(np.argmax(shares))] -= 1
-    order = np.argsort(shares - wanted)
-    for index in order[: count - int(shares.sum())]:
-        shares[index] += 1
-    shares[int(np.argmax(shares))] += count - int(shares.sum())
-    return [int(value) for value in shares]
+    weight = even + turning + length * density
+    return parameter, np.concatenate([[0.0], np.cumsum(weight)])
 
 
 def without_repeats(points: Array, tolerance: float = 0.0) -> Array:
@@ -179,15 +173,12 @@ def counter_clockwise(points: Array) -> Array:
 def first_self_crossing(points: Array) -> tuple[float, float] | None:
     """Place where a closed curve crosses or touches itself.
 
+    One crossing point; None for a simple curve. [m]
+
     Parameters
     ----------
     points : ndarray
         Points of a closed curve, shape (n, 2). [m]
-
-    Returns
-    -------
-    tuple of float or None
-        One crossing point; None for a simple curve. [m]
     """
     import shapely
     from shapely.validation import explain_validity
@@ -216,18 +207,15 @@ def even_points(points: Array, count: int) -> Array:
 def resample_by_curvature(points: Array, count: int) -> Array:
     """Smooth open curve with points close together where it bends.
 
+    Points, shape (count + 1, 2), on the cubic spline through the given points; half of them spread
+    evenly, half by the angle that the curve turns through. [m]
+
     Parameters
     ----------
     points : ndarray
         Points of a smooth open curve, shape (n, 2), n >= 4. [m]
     count : int
         Number of intervals wanted.
-
-    Returns
-    -------
-    ndarray
-        Points, shape (count + 1, 2), on the cubic spline through the given points; half of them
-        spread evenly, half by the angle that the curve turns through. [m]
     """
     from scipy.interpolate import CubicSpline
 
@@ -246,15 +234,12 @@ def resample_by_curvature(points: Array, count: int) -> Array:
 def chord_heights(points: Array) -> Array:
     r"""Distance of every edge of a closed polygon from the smooth curve through its corners.
 
+    Chord height of the edge that begins at each point, shape (n,). [m]
+
     Parameters
     ----------
     points : ndarray
         Corners, shape (n, 2). [m]
-
-    Returns
-    -------
-    ndarray
-        Chord height of the edge that begins at each point, shape (n,). [m]
 
     Notes
     -----
@@ -272,15 +257,12 @@ def chord_heights(points: Array) -> Array:
 def with_arcs(points: Array) -> Array:
     r"""Closed polyline whose chords of circles are replaced by the circles.
 
+    The curve with points between the given ones, shape (m, 2). [m]
+
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         Closed curve, first point not repeated. [m]
-
-    Returns
-    -------
-    ndarray, shape (m, 2)
-        The curve with points between the given ones. [m]
 
     Notes
     -----
@@ -307,3 +289,68 @@ def with_arcs(points: Array) -> Array:
     kept = np.ones(fine.shape[:2], dtype=bool)
     kept[~alike, 1:] = False
     return np.asarray(fine[kept])
+
+
+_SMALLEST, _LARGEST = 1e-4, 10.0
+"""Size of a curve that can belong to a machine. [m]"""
+
+
+def checked_polygon(points: Array, key: str) -> Array:
+    """Check that a closed curve encloses an area without crossing itself.
+
+    Points, counter-clockwise, no point repeated. [m]
+
+    Raises GeometryError for fewer than three points, values that are not finite, a self-crossing or
+    no area.
+
+    Parameters
+    ----------
+    points : ndarray
+        Points of the closed curve, shape (n, 2); the first may be repeated at the end. [m]
+    key : str
+        Name for error messages.
+    """
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0:
+        raise GeometryError(key, "an empty curve", "a closed curve of 3 points")
+    if not np.all(np.isfinite(points)):
+        raise GeometryError(key, "a coordinate that is not finite", "numbers")
+    size = float(np.ptp(points, axis=0).max())
+    if not _SMALLEST <= size <= _LARGEST:
+        raise GeometryError(
+            key,
+            f"a curve {size * 1e3:.3g} mm wide",
+            f"{_SMALLEST * 1e3:g} to {_LARGEST * 1e3:g} mm (is the unit of the file right?)",
+        )
+    clean = without_repeats(points)
+    if len(clean) < 3:
+        raise GeometryError(key, f"{len(clean)} distinct points", "at least 3")
+    crossing = first_self_crossing(clean)
+    if crossing is not None:
+        raise GeometryError(
+            key,
+            f"a curve that crosses itself at x = {crossing[0] * 1e3:.4g} mm, y = "
+            f"{crossing[1] * 1e3:.4g} mm",
+            "a simple closed curve",
+        )
+    return counter_clockwise(clean)
+
+
+def enclosed(outlines: Sequence[Array]) -> Any:
+    """Areas that outlines enclose, also where they touch or cross themselves by rounding.
+
+    Polygons, several for an outline that is pinched, without loops of the other sense.
+
+    Parameters
+    ----------
+    outlines : sequence of ndarray, shape (n, 2)
+        Closed curves. [m]
+    """
+    import shapely
+
+    shapes = np.array([shapely.Polygon(outline) for outline in outlines], dtype=object)
+    crossed = np.flatnonzero(~shapely.is_valid(shapes))
+    given, shapes[crossed] = shapes[crossed], shapely.buffer(shapes[crossed], 0.0)
+    # where points coincide but for rounding, the buffer may leave nothing
+    lost = shapely.area(shapes[crossed]) < 0.5 * shapely.area(given)
+    shapes[crossed[lost]] = shapely.buffer(shapely.make_valid(given[lost]), 0.0)
+    return shapes

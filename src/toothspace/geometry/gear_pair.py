@@ -16,10 +16,15 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import FloatOrArray
+from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, ToothForm, tooth_form
-from toothspace.geometry.involute_gear import RackCutTeeth, Real, involute_function, plain
-from toothspace.geometry.involute_gears import InvoluteGears
-from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
+from toothspace.geometry.involute_gear import (
+    InvoluteGears,
+    RackCutTeeth,
+    Real,
+    involute_function,
+    plain,
+)
 from toothspace.numerics.roots import root_between
 
 Sealing = Literal["single", "dual"]
@@ -72,17 +77,14 @@ class InvolutePair(ABC, Generic[Real]):
     def sealing_window(self, flank_sealing: Sealing = "single") -> tuple[Real, Real]:
         """Positions of the sealing contact over one pitch, as near the pitch point as can be.
 
+        Window: with two pairs in contact the one nearer to the pitch point gives more flow. About
+        the middle of a path that is shorter than the window. [m]
+
         Parameters
         ----------
         flank_sealing : str
             ``single``: one flank seals and the contact that seals moves over one base pitch;
             ``dual``: both flanks seal, it moves over half a base pitch.
-
-        Returns
-        -------
-        tuple
-            Window: with two pairs in contact the one nearer to the pitch point gives more flow.
-            About the middle of a path that is shorter than the window. [m]
         """
         start, end = self.path_of_contact
         span = self.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
@@ -94,17 +96,14 @@ class InvolutePair(ABC, Generic[Real]):
     def flow_per_radian(self, face_width: FloatOrArray, position: FloatOrArray) -> FloatOrArray:
         r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
 
+        Flow rate over shaft speed. [m3/rad]
+
         Parameters
         ----------
         face_width : float
             Tooth length. [m]
         position : float or ndarray
             Distance of the sealing contact from the pitch point. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Flow rate over shaft speed. [m3/rad]
 
         Notes
         -----
@@ -130,17 +129,14 @@ class InvolutePair(ABC, Generic[Real]):
     ) -> Real:
         """Geometric displacement per radian of the shaft.
 
+        Mean of :meth:`flow_per_radian` over the window. [m3/rad]
+
         Parameters
         ----------
         face_width : float
             Tooth length. [m]
         flank_sealing : str
             ``single`` or ``dual``, as in :meth:`sealing_window`.
-
-        Returns
-        -------
-        float
-            Mean of :meth:`flow_per_radian` over the window. [m3/rad]
         """
         first, last = self.sealing_window(flank_sealing)
         mean_square = (first**2 + first * last + last**2) / 3.0
@@ -283,17 +279,15 @@ def pair_from_backlash(
 ) -> GearPair:
     r"""Gears at the centre distance that leaves a given normal backlash.
 
+    Raises GeometryError for unequal base pitches, backlash outside 0 to half a module, or no
+    solution.
+
     Parameters
     ----------
     drive, driven : InvoluteGear
         Gears of equal base pitch.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Raises
-    ------
-    GeometryError
-        For unequal base pitches, backlash outside 0 to half a module, or no solution.
 
     Notes
     -----
@@ -328,18 +322,15 @@ def pair_from_center_distance(
 ) -> GearPair:
     """Gears at a given centre distance; the backlash follows.
 
+    Raises GeometryError for unequal base pitches, or a distance at which flanks or roots interfere
+    or the teeth do not mesh.
+
     Parameters
     ----------
     drive, driven : InvoluteGear
         Gears of equal base pitch.
     center_distance : float
         Distance of the gear centres. [m]
-
-    Raises
-    ------
-    GeometryError
-        For unequal base pitches, or a distance at which flanks or roots interfere or the teeth
-        do not mesh.
     """
     _check_base_pitch(drive, driven)
     tight = pair_from_backlash(drive, driven, 0.0).center_distance
@@ -356,15 +347,12 @@ def pair_from_center_distance(
 def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     r"""Volume by which the sealed mesh chamber shrinks from the second contact to its minimum.
 
+    Volume that relief grooves must pass, 0 for a contact ratio of at most 1. [m3]
+
     Parameters
     ----------
     face_width : float
         Tooth length. [m]
-
-    Returns
-    -------
-    float
-        Volume that relief grooves must pass, 0 for a contact ratio of at most 1. [m3]
 
     Notes
     -----
@@ -404,21 +392,90 @@ def _checked(pair: GearPair) -> GearPair:
             "tip_diameter", f"a contact ratio of {pair.contact_ratio:.3f}", "above 0"
         )
     if min(pair.involute_margins) < 0.0:
-        _check_overlap(pair)
+        # a tip below the involute may still clear the fillet
+        drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
+        distance = np.array([pair.center_distance])
+        play = np.minimum(
+            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
+        ).item()
+        if play < -LARGEST_OVERLAP:
+            tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
+            raise GeometryError(
+                "tip_diameter",
+                f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
+                "smaller tips or a larger profile_shift",
+            )
     return pair
 
 
-def _check_overlap(pair: GearPair) -> None:
-    # a tip below the involute may still clear the fillet
-    drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
-    distance = np.array([pair.center_distance])
-    play = np.minimum(
-        drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
-    ).item()
-    if play < -LARGEST_OVERLAP:
-        tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
-        raise GeometryError(
-            "tip_diameter",
-            f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
-            "smaller tips or a larger profile_shift",
-        )
+def flank_clearance(
+    drive: GearProfile, driven: GearProfile, center_distance: float, phases: int = 161
+) -> float:
+    """Smallest circumferential play between two profiles that roll with centred backlash.
+
+    Arc length between a tooth and the flanks of the mating space, about half the circumferential
+    backlash; negative where the gears overlap. [m]
+
+    Parameters
+    ----------
+    drive, driven : GearProfile
+        Profiles of any origin whose radius rises from root to tip.
+    center_distance : float
+        Distance of the gear centres. [m]
+    phases : int
+        Number of positions over the passage of a tooth.
+    """
+    return min(
+        _clearance_in_space(drive, driven, center_distance, phases),
+        _clearance_in_space(driven, drive, center_distance, phases),
+    )
+
+
+def normal_play(profiles: tuple[GearProfile, GearProfile], distance: float) -> float:
+    r"""Normal backlash of two profiles, negative where they overlap.
+
+    Play along the common normal. [m]
+
+    Parameters
+    ----------
+    profiles : tuple of GearProfile
+        Drive and driven gear.
+    distance : float
+        Distance of the centres. [m]
+
+    Notes
+    -----
+    Of involutes with half angles :math:`\vartheta_b` on the base circles,
+    :math:`j_n = 2 (r_{b1} + r_{b2}) (\mathrm{inv}\,\alpha_w - (z_1 \vartheta_{b1} +
+    z_2 \vartheta_{b2} - \pi)/(z_1 + z_2))`; below the sum of the base radii and for other flanks
+    twice the arc between a tooth and the space around it.
+    """
+    flanks = [profile.involute for profile in profiles]
+    if flanks[0] is None or flanks[1] is None:
+        return 2.0 * flank_clearance(*profiles, distance)
+    bases = flanks[0].base_radius + flanks[1].base_radius
+    if distance <= bases:
+        return 2.0 * flank_clearance(*profiles, distance)
+    counts = [profile.tooth_count for profile in profiles]
+    tight = counts[0] * flanks[0].base_half_angle + counts[1] * flanks[1].base_half_angle - np.pi
+    working = involute_function(np.arccos(bases / distance))
+    return float(2.0 * bases * (working - tight / sum(counts)))
+
+
+def _clearance_in_space(
+    space: GearProfile, tooth: GearProfile, center_distance: float, phases: int
+) -> float:
+    reach = 2.5 * max(space.pitch_angle, tooth.pitch_angle * tooth.tooth_count / space.tooth_count)
+    turn = np.linspace(-reach, reach, phases)[:, None]
+    # the mating tooth points from its centre (0, a) towards the space on the y axis
+    local = (tooth.points @ np.array([1.0, 1j]))[None, :]
+    mating = local * np.exp(-1j * turn * space.tooth_count / tooth.tooth_count)
+    placed = (center_distance - mating) * np.exp(-1j * turn)
+    radius, angle = np.abs(placed), np.abs(np.angle(placed))
+    flank = space.left_flank[::-1]
+    flank_radius = np.maximum.accumulate(np.hypot(flank[:, 0], flank[:, 1]))
+    half_space = 0.5 * space.pitch_angle - np.arctan2(flank[:, 1], flank[:, 0])
+    limit = np.interp(radius, flank_radius, half_space)
+    inside = radius < space.tip_radius
+    play = np.where(inside, radius * (limit - angle), np.inf)
+    return float(np.min(np.where(angle < 1.5 * space.pitch_angle, play, np.inf)))

@@ -53,11 +53,8 @@ class ToothForm:
 def tooth_form(gear: InvoluteGear) -> ToothForm:
     """Junctions of root fillet, involute, tip rounding and tip land.
 
-    Raises
-    ------
-    GeometryError
-        If the root circle vanishes, the tooth is pointed below its tip circle, the tip rounding
-        does not fit, or undercut leaves no involute.
+    Raises GeometryError if the root circle vanishes, the tooth is pointed below its tip circle, the
+    tip rounding does not fit, or undercut leaves no involute.
     """
     if gear.root_radius <= 0.05 * gear.module:
         raise GeometryError(
@@ -66,7 +63,20 @@ def tooth_form(gear: InvoluteGear) -> ToothForm:
             f"above {0.05 * gear.module * 1e3:.4g} mm",
         )
     fillet_end, form_radius, undercut = _fillet_junction(gear)
-    _check_neck(gear, fillet_end)
+    radii, spaces = _fillet_polar(gear, np.linspace(0.0, fillet_end, 200))
+    if np.min(np.diff(radii)) < -1e-12 * gear.module:
+        raise GeometryError(
+            "profile_shift",
+            f"{gear.profile_shift:g}",
+            "below dedendum minus tool_tip_radius (the root fillet folds back)",
+        )
+    neck = float(np.min((np.pi / gear.tooth_count - spaces) * radii)) * 2.0
+    if neck < 0.1 * gear.module:
+        raise GeometryError(
+            "profile_shift",
+            f"{gear.profile_shift:g}: undercut leaves a tooth neck of {neck * 1e3:.4g} mm",
+            f"at least {0.1 * gear.module * 1e3:.4g} mm",
+        )
     tip_form_radius, tip_half_angle = _tip_junction(gear)
     if form_radius >= tip_form_radius:
         key = "profile_shift" if undercut else "tip_diameter"
@@ -84,21 +94,15 @@ def tooth_form(gear: InvoluteGear) -> ToothForm:
 def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearProfile:
     r"""Tooth profile that a rounded rack cuts, with every point on the exact curve.
 
+    One pitch with ``points_per_tooth + 1`` points, closer together at the junctions of tip, flank,
+    fillet and root so that a cubic spline through a flank stays exact.
+
+    Raises GeometryError as ``tooth_form``, and for a number of points outside 40 to 20000 or odd.
+
     Parameters
     ----------
     points_per_tooth : int
         Number of intervals on one pitch, even, at least 40.
-
-    Returns
-    -------
-    GearProfile
-        One pitch with ``points_per_tooth + 1`` points, closer together at the junctions of tip,
-        flank, fillet and root so that a cubic spline through a flank stays exact.
-
-    Raises
-    ------
-    GeometryError
-        As ``tooth_form``, and for a number of points outside 40 to 20000 or odd.
 
     Notes
     -----
@@ -125,7 +129,25 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
         tip_form_radius=form.tip_form_radius,
         undercut=form.undercut,
     )
-    half, breaks = sample_segments(_half_tooth(gear, form, flank), points_per_tooth // 2)
+    # from the tooth axis outwards: land, rounding, involute, fillet, root
+    rounded = float(gear.tip_rounding > 0.0)
+    corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
+    sharp = 2.0 if form.undercut else 1.0
+    land, end, pitch = form.tip_half_angle, form.fillet_end, np.pi / gear.tooth_count
+    segments = [CurveSegment(lambda u: polar(gear.tip_radius, land * u), (0.0, 0.7 * rounded))]
+    if rounded:
+        segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
+    segments += [
+        CurveSegment(flank.curve(form.tip_form_radius), (rounded, sharp)),
+        CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (sharp, corner)),
+    ]
+    if corner > 0.0:
+        root = float(_fillet_polar(gear, np.zeros(1))[1][0])
+        start = pitch - root
+        segments.append(
+            CurveSegment(lambda u: polar(gear.root_radius, start + (pitch - start) * u), (1.0, 0.0))
+        )
+    half, breaks = sample_segments(segments, points_per_tooth // 2)
     points = np.vstack([half[:0:-1] * (1.0, -1.0), half])
     middle = len(half) - 1
     tip_end = middle + breaks[0]
@@ -145,15 +167,12 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
 def involute_point(gear: InvoluteGear, radius: FloatOrArray) -> Array:
     """Points of the counter-clockwise flank's unlimited involute.
 
+    Points, shape (n, 2), tooth centred on the x axis. [m]
+
     Parameters
     ----------
     radius : float or ndarray
         Distances from the centre, at least the base radius. [m]
-
-    Returns
-    -------
-    ndarray
-        Points, shape (n, 2), tooth centred on the x axis. [m]
     """
     radii = np.atleast_1d(np.asarray(radius, dtype=float))
     return polar(radii, np.asarray(gear.half_angle(radii)))
@@ -162,16 +181,13 @@ def involute_point(gear: InvoluteGear, radius: FloatOrArray) -> Array:
 def fillet_point(gear: InvoluteGear, corner_angle: FloatOrArray) -> Array:
     """Points of the root fillet on the counter-clockwise side of the tooth.
 
+    Points, shape (n, 2), tooth centred on the x axis. [m]
+
     Parameters
     ----------
     corner_angle : float or ndarray
         Angle on the rack's tip corner, 0 at the rack tip, pi/2 - pressure_angle at the rack
         flank. [rad]
-
-    Returns
-    -------
-    ndarray
-        Points, shape (n, 2), tooth centred on the x axis. [m]
     """
     radii, space_angles = _fillet_polar(gear, np.atleast_1d(np.asarray(corner_angle, dtype=float)))
     return polar(radii, np.pi / gear.tooth_count - space_angles)
@@ -221,23 +237,6 @@ def _undercut_corner(gear: InvoluteGear, last: float) -> float:
     return root_between(gap, start, last, 1e-15)
 
 
-def _check_neck(gear: InvoluteGear, fillet_end: float) -> None:
-    radii, spaces = _fillet_polar(gear, np.linspace(0.0, fillet_end, 200))
-    if np.min(np.diff(radii)) < -1e-12 * gear.module:
-        raise GeometryError(
-            "profile_shift",
-            f"{gear.profile_shift:g}",
-            "below dedendum minus tool_tip_radius (the root fillet folds back)",
-        )
-    neck = float(np.min((np.pi / gear.tooth_count - spaces) * radii)) * 2.0
-    if neck < 0.1 * gear.module:
-        raise GeometryError(
-            "profile_shift",
-            f"{gear.profile_shift:g}: undercut leaves a tooth neck of {neck * 1e3:.4g} mm",
-            f"at least {0.1 * gear.module * 1e3:.4g} mm",
-        )
-
-
 def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
     base, rounding = gear.base_radius, gear.tip_rounding
     if gear.tip_radius <= base:
@@ -265,28 +264,6 @@ def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
         )
     roll_length = np.sqrt(center_radius**2 - base**2) + rounding
     return float(np.hypot(base, roll_length)), tip_half_angle
-
-
-def _half_tooth(gear: InvoluteGear, form: ToothForm, flank: InvoluteFlank) -> list[CurveSegment]:
-    # from the tooth axis outwards: land, rounding, involute, fillet, root
-    rounded = float(gear.tip_rounding > 0.0)
-    corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
-    sharp = 2.0 if form.undercut else 1.0
-    land, end, pitch = form.tip_half_angle, form.fillet_end, np.pi / gear.tooth_count
-    segments = [CurveSegment(lambda u: polar(gear.tip_radius, land * u), (0.0, 0.7 * rounded))]
-    if rounded:
-        segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
-    segments += [
-        CurveSegment(flank.curve(form.tip_form_radius), (rounded, sharp)),
-        CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (sharp, corner)),
-    ]
-    if corner > 0.0:
-        root = float(_fillet_polar(gear, np.zeros(1))[1][0])
-        start = pitch - root
-        segments.append(
-            CurveSegment(lambda u: polar(gear.root_radius, start + (pitch - start) * u), (1.0, 0.0))
-        )
-    return segments
 
 
 def _rounding_arc(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:

@@ -1,4 +1,4 @@
-"""Involute flanks in a given outline: base circle, tooth thickness, ends, form error."""
+"""Involute flanks in a given outline, and their deviations as a gear tester names them."""
 
 from __future__ import annotations
 
@@ -7,13 +7,88 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from toothspace.core.types import Array
-from toothspace.geometry.flank_deviation import PitchDeviation, ProfileDeviation
 from toothspace.geometry.gear_profile import InvoluteFlank
 from toothspace.geometry.involute_gear import involute_function
+
+
+@final
+@dataclass(frozen=True)
+class ProfileDeviation:
+    """Distance of one flank from an involute along its normal, over the roll length.
+
+    References
+    ----------
+    .. [1] ISO 1328-1:2013, Cylindrical gears, ISO system of flank tolerance classification,
+       section 4.4: profile deviations.
+    """
+
+    roll_length: Array
+    """Length of the tangent from the base circle to each compared point, rising. [m]"""
+    deviation: Array
+    """Deviation, positive for excess material. [m]"""
+
+    @property
+    def total(self) -> float:
+        """Total profile deviation F_alpha, peak to peak [m]."""
+        return float(np.ptp(self.deviation))
+
+    @property
+    def slope(self) -> float:
+        """Profile slope deviation f_H_alpha, rise of the mean line over its length [m]."""
+        return float(self._mean_line()[-1] - self._mean_line()[0])
+
+    @property
+    def form(self) -> float:
+        """Profile form deviation f_f_alpha, peak to peak about the mean line [m]."""
+        return float(np.ptp(self.deviation - self._mean_line()))
+
+    def _mean_line(self) -> Array:
+        if len(self.deviation) < 3:
+            return self.deviation
+        weight = np.sqrt(np.abs(np.gradient(self.roll_length)))
+        line = np.polynomial.Polynomial.fit(self.roll_length, self.deviation, 1, w=weight)
+        return np.asarray(line(self.roll_length))
+
+
+@final
+@dataclass(frozen=True)
+class PitchDeviation:
+    """Places of the teeth on a measuring circle about the centre that fits all teeth.
+
+    References
+    ----------
+    .. [1] ISO 1328-1:2013, Cylindrical gears, ISO system of flank tolerance classification,
+       section 4.3: pitch deviations; annex on run-out.
+    """
+
+    left: Array
+    right: Array
+    """Index deviation of the flanks, arc from the even place, counter-clockwise positive. Shape
+    (tooth_count,). [m]
+    """
+    radial: Array
+    """Radial place of a ball in the space after each tooth. Shape (tooth_count,). [m]"""
+
+    @property
+    def single(self) -> float:
+        """Largest single pitch deviation f_p of both flanks [m]."""
+        steps = [np.abs(np.roll(side, -1) - side).max() for side in (self.left, self.right)]
+        return float(max(steps))
+
+    @property
+    def cumulative(self) -> float:
+        """Total cumulative pitch deviation F_p, larger of both flanks [m]."""
+        return float(max(np.ptp(self.left), np.ptp(self.right)))
+
+    @property
+    def run_out(self) -> float:
+        """Run-out F_r of a ball in the tooth spaces [m]."""
+        return float(np.ptp(self.radial))
+
 
 _LARGEST_RESIDUAL = 0.01
 """Of the tooth height: beyond it the flank is no involute. [-]"""
@@ -117,17 +192,14 @@ class InvoluteFit:
 def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     """Turn the flank points of a gear onto one tooth.
 
+    Points at which the outline rises or falls; those of root and tip circle are left out.
+
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         Closed outline about the gear centre. [m]
     phase : float
         Polar angle of a tooth axis. [rad]
-
-    Returns
-    -------
-    FlankPoints
-        Points at which the outline rises or falls; those of root and tip circle are left out.
     """
     pitch = 2.0 * np.pi / tooth_count
     radius = np.hypot(points[:, 0], points[:, 1])
@@ -147,16 +219,13 @@ def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
 def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> InvoluteFit | None:
     r"""Fit one involute to both flanks of a tooth and find where it begins and ends.
 
+    The fit; None where it leaves more than 1 % of the tooth height or covers less than 40 % of it,
+    so that the flank is no involute.
+
     Parameters
     ----------
     root_radius, tip_radius : float
         Ends of the tooth. [m]
-
-    Returns
-    -------
-    InvoluteFit or None
-        The fit; None where it leaves more than 1 % of the tooth height or covers less than
-        40 % of it, so that the flank is no involute.
 
     Notes
     -----
@@ -181,7 +250,14 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
     for _ in range(_ROUNDS):
         unknowns = _least_squares(sides, unknowns, low, high)
         nodes = {side: _nodes(sides[side], unknowns, side) for side in sides}
-        tolerance = _tolerance(nodes, low, high, height)
+        # the ends allow a multiple of the error of the flank found so far
+        inner = [
+            distance[(radius >= low) & (radius <= high)] for radius, distance in nodes.values()
+        ]
+        distance = np.abs(np.concatenate(inner))
+        error = float(np.quantile(distance, _MOST_OF_THEM)) if len(distance) else 0.0
+        least = _LEAST_TOLERANCE[len(distance) >= _MANY_NODES]
+        tolerance = max(_ERROR_FACTOR * error, least * height)
         ends = [_ends(*nodes[side], unknowns[0], tolerance, height, (low, high)) for side in nodes]
         found = max(end[0] for end in ends), min(end[1] for end in ends)
         if found[1] - found[0] < _SHORTEST * height:
@@ -191,29 +267,18 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
         low, high = found
     walked = [_walked(sides[side], unknowns, side, (low, high), tolerance) for side in sides]
     found = max(end[0] for end in walked), min(end[1] for end in walked)
-    return _checked_fit(sides, nodes, unknowns, found, tolerance, height)
-
-
-def _checked_fit(
-    sides: dict[float, FlankPoints],
-    nodes: dict[float, tuple[Array, Array]],
-    unknowns: Array,
-    ends: tuple[float, float],
-    tolerance: float,
-    height: float,
-) -> InvoluteFit | None:
     base, left, right = unknowns
-    residual = _residual(sides, unknowns, *ends)
+    residual = _residual(sides, unknowns, *found)
     if not residual <= _LARGEST_RESIDUAL * height:
         return None
-    curves = {side: _curve(*nodes[side], base, ends) for side in nodes}
+    curves = {side: _curve(*nodes[side], base, found) for side in nodes}
     # most negative distance between base circle and form radius
-    below = [distance[(r > base) & (r < ends[0])] for r, distance in nodes.values()]
+    below = [distance[(r > base) & (r < found[0])] for r, distance in nodes.values()]
     depth = min(float(distance.min(initial=0.0)) for distance in below)
     cut = -depth if depth < -max(tolerance, 1e-3 * height) else 0.0
     half = float(0.5 * (left + right))
-    flank = InvoluteFlank(float(base), half, *ends, undercut=cut > 0.0, residual=residual)
-    offsets = {side: _offsets(sides[side], unknowns, side, ends) for side in sides}
+    flank = InvoluteFlank(float(base), half, *found, undercut=cut > 0.0, residual=residual)
+    offsets = {side: _offsets(sides[side], unknowns, side, found) for side in sides}
     return InvoluteFit(
         flank=flank,
         turn=float(0.5 * (left - right)),
@@ -250,15 +315,12 @@ def distance_from_involute(
 ) -> tuple[Array, Array]:
     """Roll length and distance along the normal of points beside an involute flank.
 
+    Roll length, 0 inside the base circle, and distance, positive for excess material. [m]
+
     Parameters
     ----------
     radius, angle : ndarray
         Polar coordinates, angles from the tooth axis towards the flank. [m], [rad]
-
-    Returns
-    -------
-    tuple of ndarray
-        Roll length, 0 inside the base circle, and distance, positive for excess material. [m]
     """
     unknowns = np.array([flank.base_radius, flank.base_half_angle, flank.base_half_angle])
     return flank.roll_length(radius), _distance(radius, angle, unknowns, LEFT)
@@ -290,6 +352,7 @@ def _inside(points: FlankPoints, low: float, high: float) -> FlankPoints:
 
 
 def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, high: float) -> Array:
+
     inside = {side: _inside(points, low, high) for side, points in sides.items()}
     first = [_distance(points.radius, points.angle, start, side) for side, points in inside.items()]
     scale = max(1.4826 * float(np.median(np.abs(np.concatenate(first)))), 1e-9)
@@ -305,7 +368,7 @@ def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, hi
 
     bounds = (np.array([0.3 * high / start[0], -np.pi, -np.pi]),
               np.array([0.9999 * high / start[0], np.pi, np.pi]))  # fmt: skip
-    solution = least_squares(
+    solution = scipy.optimize.least_squares(
         residuals, start / size, bounds=bounds, loss="soft_l1", xtol=1e-14, ftol=1e-14, gtol=1e-14
     )
     return np.asarray(solution.x * size)
@@ -321,16 +384,6 @@ def _nodes(points: FlankPoints, unknowns: Array, side: float) -> tuple[Array, Ar
     pairs = list(pairwise(edges))
     radius = np.array([np.median(points.radius[a:b]) for a, b in pairs])
     return radius, np.array([np.median(distance[a:b]) for a, b in pairs])
-
-
-def _tolerance(
-    nodes: dict[float, tuple[Array, Array]], low: float, high: float, height: float
-) -> float:
-    inner = [distance[(radius >= low) & (radius <= high)] for radius, distance in nodes.values()]
-    distance = np.abs(np.concatenate(inner))
-    error = float(np.quantile(distance, _MOST_OF_THEM)) if len(distance) else 0.0
-    least = _LEAST_TOLERANCE[len(distance) >= _MANY_NODES]
-    return max(_ERROR_FACTOR * error, least * height)
 
 
 def _ends(

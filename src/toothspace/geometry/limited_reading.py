@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import keep_arrays, load_arrays
 from toothspace.core.processes import run_python
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest
@@ -39,14 +39,23 @@ runpy.run_module("toothspace.geometry.reading_process", run_name="__main__")
 """
 """Program of the process that reads."""
 _MOST_KEPT = 500
-_READING = ("step_import", "solid_import", "dxf_import", "point_file", "limited_reading",
-            "body_section", "mesh_section", "chains", "tooth_count")  # fmt: skip
+_READING = ("step_import", "cad_import", "limited_reading", "body_section", "tooth_count")
 """Modules that a section follows from."""
 
 
 def read_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
     """Sections of a solid file by a process of its own; see ``cad_import.load_body_sections``."""
-    return _unpacked(_kept(path, {"unit": unit, "request": asdict(request)}))
+    archive = _kept(path, {"unit": unit, "request": asdict(request)})
+    found = []
+    for number, given in enumerate(json.loads(str(archive["table"]))):
+        # JSON makes lists of ranges
+        row: dict[str, Any] = {
+            name: tuple(x) if isinstance(x, list) else x for name, x in given.items()
+        }
+        row["axis"] = np.array(row["axis"])
+        row["curves"] = [archive[f"curve_{number}_{k}"] for k in range(row["curves"])]
+        found.append(BodySection(**row, second=archive.get(f"second_{number}")))
+    return found
 
 
 def read_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
@@ -73,15 +82,12 @@ def _kept(path: Path, order: dict[str, Any]) -> Mapping[str, Any]:
 def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     """What the process finds in a file, as arrays by name, read anew.
 
+    Raises GeometryError for what the reader refuses, and where it fails or takes too long.
+
     Parameters
     ----------
     order : mapping
         ``unit`` [m], and ``request`` of a solid file or ``layer`` of a plane one.
-
-    Raises
-    ------
-    GeometryError
-        For what the reader refuses, and where it fails or takes too long.
     """
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "found.npz"
@@ -129,16 +135,3 @@ def packed(sections: list[BodySection]) -> dict[str, Any]:
         if second is not None:
             arrays[f"second_{number}"] = second
     return {"table": np.array(json.dumps(table)), **arrays}
-
-
-def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
-    found = []
-    for number, given in enumerate(json.loads(str(archive["table"]))):
-        # JSON makes lists of ranges
-        row: dict[str, Any] = {
-            name: tuple(x) if isinstance(x, list) else x for name, x in given.items()
-        }
-        row["axis"] = np.array(row["axis"])
-        row["curves"] = [archive[f"curve_{number}_{k}"] for k in range(row["curves"])]
-        found.append(BodySection(**row, second=archive.get(f"second_{number}")))
-    return found

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import KDTree
+import scipy
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray
 from toothspace.geometry.curve import (
+    CurveSegment,
     arc_lengths,
+    checked_polygon,
     chord_heights,
     counter_clockwise,
     even_points,
+    polar,
     resample_by_curvature,
+    sample_segments,
     signed_area,
     turned,
 )
-from toothspace.geometry.fitted_profile import fitted_profile
-from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute_fit import (
     LEFT,
     RIGHT,
@@ -33,7 +36,6 @@ from toothspace.geometry.involute_fit import (
     folded_points,
 )
 from toothspace.geometry.involute_gear import MAX_TOOTH_COUNT, MIN_TOOTH_COUNT
-from toothspace.geometry.polygon import checked_polygon
 from toothspace.geometry.tooth_count import area_elements, area_phase, centroid, repeating_teeth
 from toothspace.geometry.tooth_deviations import ToothDeviations, even_nodes
 
@@ -77,6 +79,10 @@ def gear_profile_from_curve(
 ) -> DetectedGear:
     r"""Gear in a closed outline of all its teeth, or of one pitch if the tooth count is given.
 
+    Median tooth, centre, phase, tooth count, deviation of every tooth.
+
+    Raises GeometryError for an empty or self-crossing curve, or one without 5 to 400 equal teeth.
+
     Parameters
     ----------
     points : ndarray
@@ -89,16 +95,6 @@ def gear_profile_from_curve(
         Needed for an outline of a single pitch, root middle to root middle with the gear centre at
         the origin and any connection inside the root; not used for a whole gear.
 
-    Returns
-    -------
-    DetectedGear
-        Median tooth, centre, phase, tooth count, deviation of every tooth.
-
-    Raises
-    ------
-    GeometryError
-        For an empty or self-crossing curve, or one without 5 to 400 equal teeth.
-
     Notes
     -----
     The tooth count is the strongest term of the area spectrum
@@ -110,8 +106,22 @@ def gear_profile_from_curve(
     """
     checked = checked_polygon(points, key)
     if tooth_count is not None and _polar_span(checked) < 1.5 * 2.0 * np.pi / tooth_count:
-        return _single_pitch(checked, tooth_count, points_per_tooth, key)
-    outline = _smooth_outline(checked)
+        # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
+        radius = np.hypot(checked[:, 0], checked[:, 1])
+        outer = checked[radius > 1e-6 * radius.max()]
+        toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
+        upright = turned(outer, -toward)
+        radius = np.hypot(upright[:, 0], upright[:, 1])
+        angle = np.arctan2(upright[:, 1], upright[:, 0])
+        first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
+        last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
+        path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
+        found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
+        return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
+    # the closed curve is cut at a corner or, without any, at an ordinary point
+    corners = np.flatnonzero(_bends(np.vstack([checked[-1:], checked, checked[:1]])))
+    rolled = np.roll(checked, -int(corners[0]) if len(corners) else 0, axis=0)
+    outline = _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
     center = centroid(outline)
     teeth_found = _tooth_count(outline - center, key)
     for _ in range(_CENTER_STEPS):
@@ -125,12 +135,20 @@ def gear_profile_from_curve(
     turn = _flank_symmetry(median)
     folded = folded_points(checked - center, teeth_found, phase + turn)
     found = _found(turned(median, -turn), folded, teeth_found, points_per_tooth)
+    # the largest distance of every tooth from the median one
+    normal, _ = _normals(median)
+    nearest = scipy.spatial.KDTree(median)
+    largest = []
+    for tooth in teeth:
+        index = nearest.query(tooth[::4])[1]
+        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
+        largest.append(float(np.abs(gap).max()))
     return replace(
         found,
         center=(float(center[0]), float(center[1])),
         phase=float((phase + turn + found.phase) % (2.0 * np.pi / teeth_found)),
         chord_height=_chord_height(checked - center),
-        tooth_deviation=_tooth_deviations(teeth, median),
+        tooth_deviation=np.array(largest),
         deviations=_flank_deviations(teeth, turn, found),
     )
 
@@ -186,6 +204,11 @@ def gear_profile_from_tooth(
 ) -> DetectedGear:
     """Gear from the open curve of a single pitch, root middle to root middle.
 
+    The pitch, tooth turned to the x axis; its phase is that of the curve.
+
+    Raises GeometryError if the curve does not span one pitch within 1 %, or its ends differ in
+    radius by over 1 %.
+
     Parameters
     ----------
     points : ndarray
@@ -194,16 +217,6 @@ def gear_profile_from_tooth(
         Number of intervals of the resulting pitch.
     key : str
         Name of the curve for error messages.
-
-    Returns
-    -------
-    DetectedGear
-        The pitch, tooth turned to the x axis; its phase is that of the curve.
-
-    Raises
-    ------
-    GeometryError
-        If the curve does not span one pitch within 1 %, or its ends differ in radius by over 1 %.
     """
     angle = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
     ordered = points if angle[-1] > angle[0] else points[::-1]
@@ -235,27 +248,6 @@ def _polar_span(points: Array) -> float:
     return float(2.0 * np.pi - gaps.max())
 
 
-def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: str) -> DetectedGear:
-    # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
-    radius = np.hypot(points[:, 0], points[:, 1])
-    outer = points[radius > 1e-6 * radius.max()]
-    toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
-    upright = turned(outer, -toward)
-    radius, angle = np.hypot(upright[:, 0], upright[:, 1]), np.arctan2(upright[:, 1], upright[:, 0])
-    first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
-    last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
-    path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
-    found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
-    return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
-
-
-def _smooth_outline(points: Array) -> Array:
-    # the closed curve is cut at a corner or, without any, at an ordinary point
-    corners = np.flatnonzero(_bends(np.vstack([points[-1:], points, points[:1]])))
-    rolled = np.roll(points, -int(corners[0]) if len(corners) else 0, axis=0)
-    return _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
-
-
 def _smooth_open(points: Array) -> Array:
     # cubic splines between corners
     cuts = [0, *(np.flatnonzero(_bends(points)) + 1), len(points) - 1]
@@ -279,7 +271,7 @@ def _dense(points: Array) -> Array:
     straight = np.column_stack([np.interp(fine, along, points[:, axis]) for axis in (0, 1)])
     if len(points) < 5:
         return straight
-    smooth = np.asarray(CubicSpline(along, points)(fine))
+    smooth = np.asarray(scipy.interpolate.CubicSpline(along, points)(fine))
     interval = np.repeat(np.diff(along), 4)
     swing = np.hypot(*(smooth - straight).T)[:-1] > 0.1 * interval
     chosen = np.where(np.append(swing, False)[:, None], straight, smooth)
@@ -407,17 +399,6 @@ def _center_shift(teeth: Array, phase: float) -> Array:
     return np.linalg.solve(matrix, directions.T @ (weight * gap.ravel()))
 
 
-def _tooth_deviations(teeth: Array, median: Array) -> Array:
-    normal, _ = _normals(median)
-    nearest = KDTree(median)
-    largest = []
-    for tooth in teeth:
-        index = nearest.query(tooth[::4])[1]
-        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
-        largest.append(float(np.abs(gap).max()))
-    return np.array(largest)
-
-
 def _flank_symmetry(tooth: Array) -> float:
     # mean polar angle of both flanks at half height
     radius = np.hypot(tooth[:, 0], tooth[:, 1])
@@ -468,3 +449,116 @@ def _round_land(tooth: Array) -> Array:
 def _thinned(points: Array) -> Array:
     step = np.hypot(*np.diff(points, axis=0).T)
     return points[np.concatenate([[True], step > 1e-12])]
+
+
+_ROOT_POINTS = 120
+_SHARP = 1e-3
+"""Of the tooth height: an involute that ends closer to the tip circle has a sharp corner. [-]"""
+
+_TOUCH = 1e-6
+
+
+def fitted_profile(
+    right: Array, left: Array, flank: InvoluteFlank, tooth_count: int, points_per_tooth: int
+) -> GearProfile:
+    """Replace the flanks of an outline by the involute that fits them.
+
+    The pitch. Root fillet and tip rounding are those of the outline, turned about the centre by no
+    more than the outline leaves the involute at its ends.
+
+    Parameters
+    ----------
+    right, left : ndarray, shape (n, 2)
+        Sides of a tooth whose involute is centred on the x axis: right from the root middle to
+        the tip corner, left from the tip corner to the root middle. [m]
+    flank : InvoluteFlank
+        The involute and its ends.
+    points_per_tooth : int
+        Number of intervals of the pitch, even.
+    """
+    tip_radius = float(max(np.hypot(*right[-1]), np.hypot(*left[0])))
+    root_radius = 0.5 * float(np.hypot(*right[0]) + np.hypot(*left[-1]))
+    halves = []
+    for outwards in (right * (1.0, -1.0), left[::-1]):
+        segments = _half_tooth(outwards, flank, tooth_count, tip_radius, root_radius)
+        halves.append(sample_segments(segments, points_per_tooth // 2))
+    (below, below_breaks), (above, above_breaks) = halves
+    middle = points_per_tooth // 2
+    points = np.vstack([below[:0:-1] * (1.0, -1.0), above])
+    radius = np.hypot(points[:, 0], points[:, 1])
+    return GearProfile(
+        tooth_count=tooth_count,
+        points=points,
+        tip_start=middle - below_breaks[0],
+        tip_end=middle + above_breaks[0],
+        tip_radius=tip_radius,
+        root_radius=float(radius.min()),
+        involute=flank,
+        breaks=tuple(middle - index for index in reversed(below_breaks))
+        + tuple(middle + index for index in above_breaks),
+    )
+
+
+def _half_tooth(
+    outwards: Array, flank: InvoluteFlank, tooth_count: int, tip_radius: float, root_radius: float
+) -> list[CurveSegment]:
+    # from the tooth axis: land, rounding, involute, root
+    radius, angle = np.hypot(*outwards.T), np.arctan2(outwards[:, 1], outwards[:, 0])
+    sharp = tip_radius - flank.tip_form_radius < _SHARP * (tip_radius - root_radius)
+    end = tip_radius if sharp else flank.tip_form_radius
+    corner = float(flank.half_angle(tip_radius))
+    rounding = []
+    if not sharp:
+        path = _rounding_path(radius, angle, flank, tip_radius)
+        corner = float(np.arctan2(path[0, 1], path[0, 0]))
+        rounding = [CurveSegment(_along(path), (0.7, 1.0))]
+    level = 0.0 if sharp else 1.0
+    return [
+        CurveSegment(lambda u: polar(tip_radius, corner * u), (0.0, 0.7 * level)),
+        *rounding,
+        CurveSegment(flank.curve(end), (level, 1.0)),
+        CurveSegment(_along(_root_path(radius, angle, flank, tooth_count, root_radius)),
+                     (1.0, 0.0)),
+    ]  # fmt: skip
+
+
+def _rounding_path(radius: Array, angle: Array, flank: InvoluteFlank, tip_radius: float) -> Array:
+    # from the tip corner inwards to the end of the involute
+    end = flank.tip_form_radius
+    last = int(np.flatnonzero(radius <= end)[-1]) + 1
+    half = float(flank.half_angle(end))
+    shift = half - float(np.interp(end, radius[last - 1 : last + 1], angle[last - 1 : last + 1]))
+    outer = polar(radius[last:], angle[last:] + shift)
+    path = np.vstack([outer[::-1], polar(np.array([end]), np.array([half]))])
+    path[0] *= tip_radius / np.hypot(*path[0])
+    return path
+
+
+def _root_path(
+    radius: Array, angle: Array, flank: InvoluteFlank, tooth_count: int, root_radius: float
+) -> Array:
+    # from the begin of the involute inwards to the middle of the tooth space
+    end = flank.form_radius
+    # an involute may begin on the root circle itself
+    first = max(int(np.argmax(radius > end + _TOUCH * end)), 1)
+    half = float(flank.half_angle(end))
+    near = slice(first - 1, first + 1)
+    shift = half - float(np.interp(end, radius[near], angle[near]))
+    share = (radius[:first] - radius[0]) / max(end - radius[0], _TOUCH * end)
+    inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
+    inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
+    path = np.vstack([polar(np.array([end]), np.array([half])), inner[::-1]])
+    return path if len(path) <= _ROOT_POINTS else even_points(path, _ROOT_POINTS)
+
+
+def _along(path: Array) -> Callable[[Array], Array]:
+    step = np.hypot(*np.diff(path, axis=0).T)
+    kept = path[np.concatenate([[True], step > 1e-9])]
+    kept[-1] = path[-1]
+    along = arc_lengths(kept)
+    if len(kept) < 4:
+        return lambda u: np.column_stack(
+            [np.interp(u * along[-1], along, kept[:, axis]) for axis in (0, 1)]
+        )
+    spline = scipy.interpolate.CubicSpline(along, kept)
+    return lambda u: np.asarray(spline(u * along[-1]))

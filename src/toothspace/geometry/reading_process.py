@@ -13,9 +13,8 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.body_section import SectionRequest, cut_bodies
-from toothspace.geometry.cad_import import STEP_SUFFIXES, plane_curves
+from toothspace.geometry.cad_import import STEP_SUFFIXES, plane_curves, stl_bodies
 from toothspace.geometry.limited_reading import MEMORY_LIMIT, REFUSED, packed
-from toothspace.geometry.solid_import import stl_bodies
 
 
 def main() -> int:

@@ -10,9 +10,8 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.body_section import SolidBody
-from toothspace.geometry.chains import chain_closed
-from toothspace.geometry.mesh_section import SurfaceMesh, merged
+from toothspace.geometry.body_section import SolidBody, SurfaceMesh, merged
+from toothspace.geometry.cad_import import chain_closed
 from toothspace.geometry.ocp import silence_ocp
 
 _UNIT = 1e-3
@@ -29,20 +28,14 @@ _JOIN = 1e-7
 def step_bodies(path: Path) -> list[SolidBody]:
     """Solids of a STEP file; a damaged file can end the process.
 
+    Solids in the order of the file, placed as in the assembly.
+
+    Raises GeometryError for a file that cannot be read or holds no solid.
+
     Parameters
     ----------
     path : Path
         STEP file; its own length unit is used.
-
-    Returns
-    -------
-    list of SolidBody
-        Solids in the order of the file, placed as in the assembly.
-
-    Raises
-    ------
-    GeometryError
-        For a file that cannot be read or holds no solid.
     """
     silence_ocp()
     solids = _named_solids(path)

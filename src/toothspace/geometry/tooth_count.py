@@ -19,17 +19,14 @@ _LEAST_AREA = 1e-14
 def repeating_teeth(outline: Array, fewest: int = MIN_TOOTH_COUNT) -> int | None:
     r"""Number of equal teeth round the centroid of an outline.
 
+    Tooth count up to 400; None for an outline without repeating teeth.
+
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Closed curve. [m]
     fewest : int
         Fewest teeth that count, at least 2.
-
-    Returns
-    -------
-    int or None
-        Tooth count up to 400; None for an outline without repeating teeth.
 
     Notes
     -----
@@ -42,7 +39,15 @@ def repeating_teeth(outline: Array, fewest: int = MIN_TOOTH_COUNT) -> int | None
         return None
     points = counter_clockwise(outline)
     points = points - centroid(points)
-    spectrum = area_spectrum(points)
+    # magnitudes of the terms of the area over the angle about the origin [m2]
+    angle, area = area_elements(points)
+    place = angle / (2.0 * np.pi) * _SECTORS
+    sector = np.floor(place).astype(int)
+    # shared by two sectors, or even pieces of a circle would beat with the sectors like teeth
+    share = place - sector
+    total = np.bincount(sector % _SECTORS, (1.0 - share) * area, _SECTORS)
+    total += np.bincount((sector + 1) % _SECTORS, share * area, _SECTORS)
+    spectrum = np.asarray(np.abs(np.fft.rfft(total)))
     count = fewest + int(np.argmax(spectrum[fewest : MAX_TOOTH_COUNT + 1]))
     weak = spectrum[count] < SMALLEST_MODULATION * abs(signed_area(points))
     orders = np.arange(2, MAX_TOOTH_COUNT + 1)
@@ -60,18 +65,6 @@ def centroid(points: Array) -> Array:
     return np.asarray(start + middle.sum(axis=0) / (3.0 * cross.sum()))
 
 
-def area_spectrum(points: Array) -> Array:
-    """Magnitudes of the terms of the area over the angle about the origin [m2]."""
-    angle, area = area_elements(points)
-    place = angle / (2.0 * np.pi) * _SECTORS
-    sector = np.floor(place).astype(int)
-    # shared by two sectors, or even pieces of a circle would beat with the sectors like teeth
-    share = place - sector
-    total = np.bincount(sector % _SECTORS, (1.0 - share) * area, _SECTORS)
-    total += np.bincount((sector + 1) % _SECTORS, share * area, _SECTORS)
-    return np.asarray(np.abs(np.fft.rfft(total)))
-
-
 def area_phase(points: Array, tooth_count: int) -> float:
     """Polar angle of the first tooth axis by the area spectrum, 0 to one pitch [rad]."""
     angle, area = area_elements(points)
@@ -81,17 +74,14 @@ def area_phase(points: Array, tooth_count: int) -> float:
 
 def area_elements(points: Array) -> tuple[Array, Array]:
     """Middle angles [rad] and areas [m2] of the sectors under finely divided edges."""
-    fine = _divided(points)
-    following = np.roll(fine, -1, axis=0)
-    area = 0.5 * (fine[:, 0] * following[:, 1] - fine[:, 1] * following[:, 0])
-    middle = fine + following
-    return np.arctan2(middle[:, 1], middle[:, 0]), area
-
-
-def _divided(points: Array) -> Array:
+    # edges are divided, so that no sector is wider than the finest one asked for
     step = np.roll(points, -1, axis=0) - points
     length = np.hypot(step[:, 0], step[:, 1])
     counts = np.maximum(np.ceil(length / length.sum() * 4 * _SECTORS).astype(int), 1)
     start = np.repeat(np.arange(len(points)), counts)
     share = (np.arange(len(start)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[start]
-    return np.asarray(points[start] + share[:, None] * step[start])
+    fine = np.asarray(points[start] + share[:, None] * step[start])
+    following = np.roll(fine, -1, axis=0)
+    area = 0.5 * (fine[:, 0] * following[:, 1] - fine[:, 1] * following[:, 0])
+    middle = fine + following
+    return np.arctan2(middle[:, 1], middle[:, 0]), area

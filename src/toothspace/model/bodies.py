@@ -99,7 +99,7 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         add_slopes(s, j, 1, (force[4], force[5], force[8], force[9]))
         add_asperity_force(s, j, ex, ey)
         if journal[j, col.ROTATION] >= 0.0:
-            hold_back(s, state, j, (ex, ey), force)
+            add_rotor_friction(s, state, j, (ex, ey), force)
 
 
 @kernel
@@ -246,6 +246,8 @@ def face_sense(s: SystemArrays, state: Array, k: int) -> tuple[float, float]:
 def sliding_sense(sense: float, mean: float, own: float, radius: float) -> tuple[float, float]:
     r"""Sense in which the surfaces of a body that turns on its own slide, and its slope by speed.
 
+    Sense from -1 to 1 [-], slope [s/rad].
+
     Parameters
     ----------
     sense : float
@@ -254,11 +256,6 @@ def sliding_sense(sense: float, mean: float, own: float, radius: float) -> tuple
         Speed of the shaft times that ratio, and the body's own. [rad/s]
     radius : float
         Where the surfaces slide. [m]
-
-    Returns
-    -------
-    tuple of float
-        Sense from -1 to 1 [-], slope [s/rad].
 
     Notes
     -----
@@ -277,7 +274,7 @@ def sliding_sense(sense: float, mean: float, own: float, radius: float) -> tuple
 
 
 @kernel
-def hold_back(
+def add_rotor_friction(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""

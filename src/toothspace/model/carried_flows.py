@@ -61,7 +61,7 @@ def carries(s: SystemArrays) -> bool:
 
 
 @kernel
-def carry_pressures(s: SystemArrays, state: Array) -> None:
+def set_quasi_steady_pressures(s: SystemArrays, state: Array) -> None:
     """Move the pressures of the last evaluation linearly with masses; volumes follow."""
     node, size = s.node, s.size
     for i in range(size.nodes):

@@ -19,8 +19,14 @@ and losses then balance to round-off.
 
 from __future__ import annotations
 
-from toothspace.closures.contact_law import impact_factor, logarithmic_law, power_law, rounded_depth
-from toothspace.closures.squeeze_film import REACH, squeeze_damping
+from toothspace.closures.contact_law import (
+    REACH,
+    impact_factor,
+    logarithmic_law,
+    power_law,
+    rounded_depth,
+    squeeze_damping,
+)
 from toothspace.closures.traction import FlankSurface, mesh_friction
 from toothspace.core.compiled import inlined, kernel
 from toothspace.core.types import Array
@@ -106,8 +112,8 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
             contact[j, : col.CONTACT_STATE] = 0.0
             continue
         rate, by_angle, slip = displace_contact(s, state, j)
-        press(s, j, -gap, -rate)
-        cushion(s, j, gap, -rate)
+        add_contact_force(s, j, -gap, -rate)
+        add_squeeze_damping(s, j, gap, -rate)
         rub(s, j, slip, values[j, col.ROLLING] * state[1])
         contact[j, col.CONTACT_TORQUE] -= contact[j, col.CONTACT_FORCE] * by_angle
         contact[j, col.CONTACT_TORQUE] -= contact[j, col.CONTACT_FRICTION] * values[j, col.SLIDING]
@@ -170,8 +176,8 @@ def reach_of(pair: Array) -> float:
 
 
 @kernel
-def cushion(s: SystemArrays, j: int, gap: float, rate: float) -> None:
-    """Add the force of the film that an approach squeezes out of one contact."""
+def add_squeeze_damping(s: SystemArrays, j: int, gap: float, rate: float) -> None:
+    """Add the squeeze damping of one contact that closes."""
     contact = s.contact[j]
     if contact[col.PAIR_SQUEEZE] == 0.0 or rate <= 0.0:
         return
@@ -185,7 +191,7 @@ def cushion(s: SystemArrays, j: int, gap: float, rate: float) -> None:
 
 
 @kernel
-def press(s: SystemArrays, j: int, overlap: float, rate: float) -> None:
+def add_contact_force(s: SystemArrays, j: int, overlap: float, rate: float) -> None:
     """Normal force of one contact, its energy, loss and derivatives."""
     contact = s.contact[j]
     values, slopes = s.contact_values[col.VALUE], s.contact_values[col.SLOPE]

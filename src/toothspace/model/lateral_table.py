@@ -46,7 +46,7 @@ class LateralTable:
     viscosity; its logarithm is linear between nodes. [-]
     """
     seat_factor: float = 1.0
-    """Leakage factor of the quasi-static pressures that press the bearings to their seats. [-]"""
+    """Leakage factor of the quasi-static pressures that hold the bearings in position. [-]"""
 
     @property
     def axes(self) -> tuple[Array, ...]:

@@ -117,8 +117,8 @@ def update_ends(s: SystemArrays) -> None:
 
 
 @kernel
-def heat_throats(s: SystemArrays) -> None:
-    """Viscosity in the throats between flanks, which heat their own flow."""
+def update_throat_viscosity(s: SystemArrays) -> None:
+    """Viscosity in the throats between flanks, lowered by the friction heat of their flow."""
     node, path, index, fluid = s.node, s.path, s.open_index, s.fluid
     for j in range(s.open_kinds[col.PARALLEL_GAP]):
         a, b = index[j, col.NODE_A], index[j, col.PRESENT_B]
@@ -292,7 +292,7 @@ def update_network(s: SystemArrays, state: Array) -> None:
     """Flows of all paths and their sums in the nodes."""
     update_viscosities(s)
     update_ends(s)
-    heat_throats(s)
+    update_throat_viscosity(s)
     update_heights(s, state)
     update_gap_conductances(s)
     update_orifice_conductances(s)

@@ -26,6 +26,8 @@ def gmres(
 
     By the generalised minimal residual method.
 
+    Solutions, NaN where the matrix is singular, and the largest number of iterations. [any, -]
+
     Parameters
     ----------
     product : callable
@@ -38,12 +40,6 @@ def gmres(
         Residual norms at which to stop. [any]
     max_iterations : int
         Largest size of a Krylov space. [-]
-
-    Returns
-    -------
-    tuple of ndarray and int
-        Solutions, NaN where the matrix is singular, and the largest number of iterations.
-        [any, -]
 
     References
     ----------
@@ -84,19 +80,17 @@ class _Space:
     def extend(self, image: Array, w: Array) -> None:
         """Take the image of the last basis vector and its product with the matrix."""
         if self._count == len(self._images):
-            self._enlarge()
+            # room for twice as many vectors
+            size, length = self._images.shape
+            former, self._projected = self._projected, np.zeros((2 * size + 3, 2 * size + 1))
+            self._projected[:size, :size] = former[:size, :size]
+            self._projected[-3:, : size + 1] = former[-3:]
+            self._basis = np.concatenate([self._basis, np.empty((size, length))])
+            self._images = np.concatenate([self._images, np.empty((size, length))])
         self._images[self._count] = image
         left = extend(self._basis, self._projected, self._count, w)
         self._count += 1
         self.finished = not left > self._limit
-
-    def _enlarge(self) -> None:
-        size, length = self._images.shape
-        former, self._projected = self._projected, np.zeros((2 * size + 3, 2 * size + 1))
-        self._projected[:size, :size] = former[:size, :size]
-        self._projected[-3:, : size + 1] = former[-3:]
-        self._basis = np.concatenate([self._basis, np.empty((size, length))])
-        self._images = np.concatenate([self._images, np.empty((size, length))])
 
     def solution(self) -> Array:
         """Combination of the images that leaves the smallest residual."""
@@ -128,7 +122,8 @@ def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
         column[m] = dot(basis[m], product)
         add_scaled(product, -column[m], basis[m])
     below = norm(product)
-    basis[count + 1] = product / below if below > 0.0 else product
+    for k in range(product.size):
+        basis[count + 1, k] = product[k] / below if below > 0.0 else product[k]
     for m in range(count):
         above = column[m]
         column[m] = cosine[m] * above + sine[m] * column[m + 1]

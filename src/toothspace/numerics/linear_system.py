@@ -16,7 +16,7 @@ from toothspace.numerics.banded import (
     solve_bands,
     stencil_products,
 )
-from toothspace.numerics.krylov import Operator, gmres
+from toothspace.numerics.krylov import gmres
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 from toothspace.numerics.vectors import norm
 
@@ -61,7 +61,30 @@ class DirectSystem:
         sides = rhs.reshape(-1, rhs.shape[-1])
         known = None if start is None else start.reshape(sides.shape)
         goal = relative_tolerance if relative_tolerance > TIGHT else _ROUNDED
-        x = _refined(self._product, self._precondition, sides, known, goal)
+        # Krylov iterations correct the solutions: a start that leaves more than nothing would is
+        # not taken, and what rounding keeps from falling is left
+        x, remainder, sizes = np.zeros_like(sides), sides, _lengths(sides)
+        goals, former = goal * sizes, np.full(len(sides), np.inf)
+        if known is not None:
+            left = sides - self._product(known)
+            better = _lengths(left) < sizes
+            x[better], remainder = known[better], np.where(better[:, None], left, sides)
+            sizes = _lengths(remainder)
+        for _ in range(_ROUNDS):
+            poor = np.flatnonzero((sizes > goals) & (sizes < STALLED * former))
+            if poor.size == 0:
+                break
+            within = np.maximum(_SHARE * goals[poor], LEAST_CORRECTION * sizes[poor])
+            correction, _ = gmres(
+                self._product,
+                self._precondition,
+                remainder[poor],
+                limits=within,
+                max_iterations=_MOST,
+            )
+            x[poor] += correction
+            remainder = sides - self._product(x)
+            former, sizes = sizes, _lengths(remainder)
         return x.reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
@@ -75,39 +98,6 @@ class DirectSystem:
 def _lengths(sides: Array) -> Array:
     """Lengths of the rows."""
     return np.array([norm(side) for side in sides])
-
-
-def _refined(
-    product: Operator,
-    precondition: Operator,
-    sides: Array,
-    start: Array | None,
-    relative_tolerance: float,
-) -> Array:
-    """Correct solutions by Krylov iterations until the residual of every right-hand side is small.
-
-    A start that leaves more than nothing would is not taken, and what rounding keeps from
-    falling is left.
-    """
-    x, remainder, sizes = np.zeros_like(sides), sides, _lengths(sides)
-    goals, former = relative_tolerance * sizes, np.full(len(sides), np.inf)
-    if start is not None:
-        left = sides - product(start)
-        better = _lengths(left) < sizes
-        x[better], remainder = start[better], np.where(better[:, None], left, sides)
-        sizes = _lengths(remainder)
-    for _ in range(_ROUNDS):
-        poor = np.flatnonzero((sizes > goals) & (sizes < STALLED * former))
-        if poor.size == 0:
-            break
-        within = np.maximum(_SHARE * goals[poor], LEAST_CORRECTION * sizes[poor])
-        correction, _ = gmres(
-            product, precondition, remainder[poor], limits=within, max_iterations=_MOST
-        )
-        x[poor] += correction
-        remainder = sides - product(x)
-        former, sizes = sizes, _lengths(remainder)
-    return x
 
 
 class LinearSystem(Protocol):

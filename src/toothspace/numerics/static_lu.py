@@ -79,6 +79,10 @@ class LuProgram(NamedTuple):
 def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
     """Analyse the patterns of a Jacobian and of the basis of its unknowns.
 
+    Input of :func:`factorise`, :func:`solve`, :func:`ledger_product` and :func:`states_of`.
+
+    Raises ValueError if the pattern has fewer rows than columns.
+
     Parameters
     ----------
     pattern : ndarray of bool, shape (n_total, n_core), n_total >= n_core
@@ -86,17 +90,6 @@ def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
         others (ledger) are only multiplied with vectors.
     basis : ndarray of bool, shape (n_core, n_core), optional
         True where the basis may differ from the identity.
-
-    Returns
-    -------
-    LuProgram
-        Input of :func:`factorise`, :func:`solve`, :func:`ledger_product` and
-        :func:`states_of`.
-
-    Raises
-    ------
-    ValueError
-        If the pattern has fewer rows than columns.
     """
     n_total, n = pattern.shape
     if n_total < n:
@@ -105,7 +98,12 @@ def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
     basis = own if basis is None else basis | own
     core = pattern[:n] | basis
     order = _fewest_updates(core)
-    filled = _fill_in(core[np.ix_(order, order)])
+    # every elimination fills the product of its column and its row
+    filled = core[np.ix_(order, order)].copy()
+    for k in range(filled.shape[0]):
+        below = k + 1 + np.nonzero(filled[k + 1 :, k])[0]
+        right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
+        filled[np.ix_(below, right)] = True
     packed = np.full((n, n), -1, dtype=np.int64)
     packed[filled] = np.arange(int(filled.sum()))
     pairs = _row_updates(filled, packed)
@@ -156,15 +154,6 @@ def _fewest_updates(core: BoolArray) -> IntArray:
     return order
 
 
-def _fill_in(permuted: BoolArray) -> BoolArray:
-    filled = permuted.copy()
-    for k in range(filled.shape[0]):
-        below = k + 1 + np.nonzero(filled[k + 1 :, k])[0]
-        right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
-        filled[np.ix_(below, right)] = True
-    return filled
-
-
 def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
     """List for every stage the rows it changes and the contiguous pieces of the change."""
     pair_start, pair_lower, run_start = [0], [], [0]
@@ -201,6 +190,8 @@ def factorise(
 ) -> int:
     r"""Factorise :math:`B - \gamma J`.
 
+    SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
+
     Parameters
     ----------
     program : LuProgram
@@ -215,28 +206,30 @@ def factorise(
         Receives the factors.
     pivots : ndarray of int, shape (n,)
         Receives the row exchanges of dense factors.
-
-    Returns
-    -------
-    int
-        SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
     """
     if program.dense[0] == 0:
-        _assemble(program, jacobian, basis, gamma, values)
+        flat, own = jacobian.reshape(-1), basis.reshape(-1)
+        values[: program.packed_size[0]] = 0.0
+        source, place = program.source, program.source_place
+        for entry in range(source.size):
+            values[place[entry]] = own[source[entry]] - gamma * flat[source[entry]]
         if _eliminate(program, values):
             return SPARSE_FACTORS
-    return _factorise_dense(jacobian, basis, gamma, values, pivots)
-
-
-@_kernel
-def _assemble(
-    program: LuProgram, jacobian: Array, basis: Array, gamma: float, values: Array
-) -> None:
-    flat, own = jacobian.reshape(-1), basis.reshape(-1)
-    values[: program.packed_size[0]] = 0.0
-    source, place = program.source, program.source_place
-    for entry in range(source.size):
-        values[place[entry]] = own[source[entry]] - gamma * flat[source[entry]]
+    n = pivots.size
+    a = values[: n * n].reshape((n, n))
+    for i in range(n):
+        for j in range(n):
+            a[i, j] = basis[i, j] - gamma * jacobian[i, j]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > abs(a[best, k]):
+                best = i
+        pivots[k] = best
+        if not (abs(a[best, k]) > 0.0 and np.isfinite(a[best, k])):
+            return SINGULAR
+        _eliminate_dense_column(a, k, best)
+    return DENSE_FACTORS
 
 
 @_kernel
@@ -260,27 +253,6 @@ def _eliminate(program: LuProgram, values: Array) -> bool:
                 for j in range(run_length[run]):
                     values[target + j] -= factor * values[upper + j]
     return sound
-
-
-@_kernel
-def _factorise_dense(
-    jacobian: Array, basis: Array, gamma: float, values: Array, pivots: IntArray
-) -> int:
-    n = pivots.size
-    a = values[: n * n].reshape((n, n))
-    for i in range(n):
-        for j in range(n):
-            a[i, j] = basis[i, j] - gamma * jacobian[i, j]
-    for k in range(n):
-        best = k
-        for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[best, k]):
-                best = i
-        pivots[k] = best
-        if not (abs(a[best, k]) > 0.0 and np.isfinite(a[best, k])):
-            return SINGULAR
-        _eliminate_dense_column(a, k, best)
-    return DENSE_FACTORS
 
 
 @_kernel

@@ -11,12 +11,15 @@ import numpy as np
 
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.results.performance import by_label
-from toothspace.results.solution import Solution
-from toothspace.results.validity import temperatures_beyond
+from toothspace.results.solution import Solution, tooth_pitch
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
+
+    from toothspace.results.solution import Solution
+
 
 BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 """Balance errors above which a result is not to be trusted. [-]"""
@@ -39,6 +42,9 @@ IMPACT_LIMIT = 0.5
 CUT_LIMIT = 0.5e-6
 """Depth to which tips may run against a wall, of the order of its roughness. [m]"""
 
+_WHOLE = (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING, Status.NOT_REACHED)
+"""How a run ends whose masses and energies are those of a whole revolution."""
+
 _BAR = 1e5
 _ANY = 0.0, math.inf
 _COMPARED = (
@@ -55,6 +61,13 @@ _PRESSURES = (
     "inlet_pressure",
     "outlet_pressure",
 )
+_SHOWN = {
+    "outlet_temperature_degC": "outlet",
+    "drain_temperature_degC": "drain",
+    "highest_film_temperature_degC": "hottest film",
+}
+"""Places whose temperature every steady run has, by the names of the summary."""
+_RISE = "lateral_temperature_rise"
 
 
 def with_warnings(
@@ -76,6 +89,7 @@ def with_warnings(
         *temperatures_beyond(solution, *temperatures),
         *_numbers(solution),
         *_bodies(solution),
+        *_skipped(solution),
         *_tips(solution.data),
     )
 
@@ -83,18 +97,15 @@ def with_warnings(
 def with_interval(solution: Solution, drawn: Solution) -> Solution:
     """Solution that says how far it moves with the flanks of the file.
 
+    With every number of the second run among the statistics, as ``as_drawn_...``, and a warning
+    with those that a reader looks at first.
+
     Parameters
     ----------
     solution : Solution
         Result with what was fitted to the file.
     drawn : Solution
         The same run with what the file holds.
-
-    Returns
-    -------
-    Solution
-        With every number of the second run among the statistics, as ``as_drawn_...``, and a
-        warning with those that a reader looks at first.
     """
     fitted, other = (
         {k: v for k, v in one.summary().items() if isinstance(v, float) and math.isfinite(v)}
@@ -130,8 +141,9 @@ def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
 
 def _numbers(solution: Solution) -> Iterator[Finding]:
     numbers = {k: v for k, v in solution.summary().items() if isinstance(v, int | float)}
-    yield from _efficiencies(numbers)
-    whole = solution.status in (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING)
+    whole = solution.status in _WHOLE
+    if whole:
+        yield from _efficiencies(numbers)
     for name, limit in BALANCE_LIMITS.items():
         value = numbers.get(name, math.nan)
         if value > limit and whole:
@@ -160,6 +172,7 @@ def _efficiencies(numbers: Mapping[str, float]) -> Iterator[Finding]:
             quantity=name,
             found=f"{volumetric:.4f}",
             allowed="up to 1",
+            severity="serious",
             advice=advice,
         )
     if volumetric < 0.0:
@@ -226,6 +239,29 @@ def _bodies(solution: Solution) -> Iterator[Finding]:
                 advice="Set machine.mode to the way the machine runs, or let them follow their "
                 'load, machine.bearing_blocks.motion = "free".',
             )
+
+
+def _skipped(solution: Solution) -> Iterator[Finding]:
+    """A body that turned so far from its place in the mesh that teeth would have skipped."""
+    if solution.status is not Status.OUT_OF_MESH:
+        return
+    turned = by_label(solution.data["body_rotation"][-1])
+    angles = {name: math.degrees(abs(angle)) for name, angle in turned.items()}
+    body = max(angles, key=lambda name: angles[name])
+    pitch = math.degrees(tooth_pitch(solution.data))
+    found = f"{angles[body]:.3g} deg"
+    yield Finding(
+        "warning",
+        f"{body.replace('_', ' ').capitalize()} has turned by {found} from its place in the mesh, "
+        f"at a tooth pitch of {pitch:.3g} deg: nothing holds it to its mate, and the run ends "
+        "there.",
+        quantity="Turning out of the mesh",
+        found=found,
+        allowed=f"up to {0.5 * pitch:.3g} deg",
+        severity="serious",
+        advice="Narrow the play between the teeth: machine.rotors.tip_clearance, or "
+        "machine.gears.normal_backlash.",
+    )
 
 
 def _tips(data: Dataset) -> Iterator[Finding]:
@@ -299,3 +335,55 @@ def _surplus(numbers: Mapping[str, float]) -> tuple[str, str]:
         "fluid enclosed in the chambers expands in them or is drawn past the ports.",
         "Look at the timing of the ports.",
     )
+
+
+def temperatures_beyond(solution: Solution, low: float, high: float) -> Iterator[Finding]:
+    """Say which temperatures lie outside the range of the fluid.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result, complete or not.
+    low, high : float
+        Temperatures between which the properties of the fluid are known. [K]
+    """
+    found = temperatures_of(solution)
+    outside = {place: t for place, t in found.items() if not low <= t <= high}
+    if not outside:
+        return
+    worst = max(outside, key=lambda place: max(outside[place] - high, low - outside[place]))
+    reached = f"{outside[worst] - ZERO_CELSIUS:.4g} °C ({worst})"
+    known = f"{low - ZERO_CELSIUS:.4g} to {high - ZERO_CELSIUS:.4g} °C"
+    others = ", ".join(place for place in outside if place != worst)
+    beside = f", and beyond it in: {others}" if others else ""
+    yield Finding(
+        "warning",
+        f"Temperatures reach {reached}{beside}; the properties of the fluid are known from "
+        f"{known} only.",
+        quantity="Temperature, range of the fluid",
+        found=reached,
+        allowed=known,
+        severity="serious",
+        advice="Let more oil pass where it is hot (wider gaps and bearings, "
+        "heat.bearing_flushing), lower speed or pressure, or cool the casing "
+        "(heat.housing_conductance); warm films thin with heat.model = 'coupled' alone.",
+    )
+
+
+def temperatures_of(solution: Solution) -> dict[str, float]:
+    """Temperatures of a steady run by place. [K]."""
+    numbers = solution.summary()
+    found = {
+        place: float(numbers[name]) + ZERO_CELSIUS
+        for name, place in _SHOWN.items()
+        if name in numbers
+    }
+    if "temperature" in solution.data:
+        for node, value in zip(
+            solution.data["heat_node"].values, solution.data["temperature"].values, strict=True
+        ):
+            found.setdefault(str(node).replace("_", " "), float(value))
+    if _RISE in solution.statistics:
+        supply = float(solution.data["fluid_temperature"])
+        found["lateral film"] = supply + float(solution.statistics[_RISE])
+    return {place: value for place, value in found.items() if np.isfinite(value)}

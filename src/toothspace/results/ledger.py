@@ -152,11 +152,15 @@ class Ledger:
         return sum(self.energy.get(name, 0.0) for name in self.losses)
 
     @property
+    def kept_energy(self) -> float:
+        """Growth of the energy in fluid, walls, motion and contacts. [J]."""
+        return sum(self.energy.get(name, 0.0) for name in CHANGE_ENTRIES)
+
+    @property
     def energy_remainder(self) -> float:
         """What the energy balance leaves unexplained. [J]."""
-        kept = sum(self.energy.get(name, 0.0) for name in CHANGE_ENTRIES)
         work = self.shaft_energy + self.energy.get("radial_load", 0.0)
-        return work - self.fluid_energy - self.loss_energy - kept
+        return work - self.fluid_energy - self.loss_energy - self.kept_energy
 
     @property
     def mass_remainder(self) -> float:
@@ -166,15 +170,19 @@ class Ledger:
 
     @property
     def mass_balance_error(self) -> float:
-        """Unexplained mass over the larger of inlet and outlet mass. [-]."""
-        scale = max(abs(self.mass.get("inlet", 0.0)), abs(self.mass.get("outlet", 0.0)))
+        """Unexplained mass over the largest of inlet, outlet and stored mass. [-]."""
+        scale = max(abs(self.mass.get(name, 0.0)) for name in ("inlet", "outlet", "stored_change"))
         return abs(self.mass_remainder) / scale if scale > 0.0 else 0.0
 
     @property
     def energy_balance_error(self) -> float:
-        """Unexplained energy over the largest of shaft, port and supply energy. [-]."""
+        """Unexplained energy over the largest of shaft, port, supply and kept energy. [-].
+
+        Where nothing is driven, as between tanks of one pressure, what was stored feeds the losses.
+        """
         supply = self.energy.get("supply", 0.0)
-        scale = max(abs(self.shaft_energy), abs(self.port_energy), abs(supply))
+        given = self.shaft_energy, self.port_energy, supply, self.kept_energy
+        scale = max(abs(energy) for energy in given)
         return abs(self.energy_remainder) / scale if scale > 0.0 else 0.0
 
 

@@ -11,25 +11,41 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
-from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.compiled import cache_root, digest_of_sources
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.files import keep_arrays, load_arrays
 from toothspace.core.progress import Progress, part
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.assembly import assemble
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
+from toothspace.model.assembly import System, assemble
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import by_kind
 from toothspace.results.solution import Solution
 from toothspace.run.condition import fluid_of
 from toothspace.solver.compiled_model import observe
-from toothspace.solver.cyclic import History, RunPlan, march_revolutions
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 
 _PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
 _TOLERANCE = 1e-5
 _MOST_FILES = 2000
-CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
+_SETTLED = 0.02
+"""Change of a track from one revolution to the next, over the deepest, that counts as none. [-]"""
+_LEAST_CHANGE = 0.05e-6
+"""Change that counts as none however shallow the track is, less than any roughness. [m]"""
+_STILL_CUTS = (
+    "Running-in does not come to an end: from one revolution to the next its track still changes "
+    "by {:.2g} µm, of {:.2g} µm. Ask for another machine.casing.wear_in, such as a higher "
+    "shaft_speed or a lower pressure, at which the gears run smoothly."
+)
+_CHANGE = "change"
+"""Name under which the change of the tracks is kept beside them."""
+CUT_SHORT = (
+    Status.INTERRUPTED,
+    Status.STEP_TOO_SMALL,
+    Status.MAX_STEPS,
+    Status.OUT_OF_MESH,
+)
 """How a march ends before its time."""
 
 
@@ -42,12 +58,20 @@ class Tracks:
     """Depth of each track over the casing angle, by the path that wears. [m]"""
     status: Status = Status.DONE
     """Whether the running-in came to its end."""
+    change: float = 0.0
+    """Largest change of a track from the last revolution to one more. [m]"""
 
     def marked(self, solution: Solution) -> Solution:
         """Solution on this casing: not done on one that was cut only in part."""
-        if self.status is Status.DONE or solution.status is Status.INTERRUPTED:
+        if solution.status is Status.INTERRUPTED:
             return solution
-        return replace(solution, status=self.status).with_note("Running-in ended before its time.")
+        if self.status is not Status.DONE:
+            ended = replace(solution, status=self.status)
+            return ended.short_of("Running-in ended before its time.")
+        deepest = max((float(depth.max()) for depth in self.depths.values()), default=0.0)
+        if self.change <= max(_SETTLED * deepest, _LEAST_CHANGE):
+            return solution
+        return solution.short_of(_STILL_CUTS.format(1e6 * self.change, 1e6 * deepest))
 
     def values(self, bodies: Sequence[str]) -> dict[str, Any]:
         """Depths by the names of results, one row per body, at the nodes of the finest table."""
@@ -64,10 +88,7 @@ class Tracks:
 def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:
     """Cut the casing at the break-in condition; taken from disk if it was computed before.
 
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted.
+    Raises KeyboardInterrupt if interrupted.
     """
     state = machine.running_in
     if state is None:
@@ -83,25 +104,38 @@ def run_in(case: Case, machine: MachineDescription, progress: Progress | None = 
     )
     fluid = fluid_of(case, state.temperature)
     key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _PLAN)
-    depths = load(key)
-    if depths is not None:
-        return Tracks(depths)
+    kept = load(key)
+    if kept is not None:
+        change = float(kept.pop(_CHANGE, 0.0))
+        return Tracks(kept, change=change)
     plan = replace(_PLAN, max_steps=case.run.max_steps)
-    history = march_revolutions(
-        assemble(machine, fluid, condition), plan, part(progress, "running-in")
-    )
-    if history.status is Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    depths = running_in_depths(history)
+    history = _marched(assemble(machine, fluid, condition), plan, progress)
+    depths, change = running_in_depths(history), 0.0
     if history.status in CUT_SHORT:
         return Tracks(depths, history.status)
-    save(key, depths)
-    return Tracks(depths)
+    if history.status is not Status.DONE:
+        once = replace(plan, revolutions=1)
+        again = _marched(history.system, once, progress, first_turn_state(history))
+        if again.status in CUT_SHORT:
+            return Tracks(depths, again.status)
+        later = running_in_depths(again)
+        change = max(float(np.abs(later[body] - depth).max()) for body, depth in depths.items())
+    save(key, {**depths, _CHANGE: np.asarray(change)})
+    return Tracks(depths, change=change)
+
+
+def _marched(
+    system: System, plan: RunPlan, progress: Progress | None, state: Array | None = None
+) -> History:
+    history = march_revolutions(system, plan, part(progress, "running-in"), state)
+    if history.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return history
 
 
 def folder() -> Path:
     """Folder of stored depths, beside the compiled code and keyed by its sources."""
-    return cache_root() / f"running-in-{digest_of_sources()}"
+    return cache_root() / f"tracks-{digest_of_sources()}"
 
 
 def load(key: str) -> dict[str, Array] | None:

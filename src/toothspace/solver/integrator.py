@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from toothspace.core.status import Status
-from toothspace.core.types import Array
+from toothspace.core.status import Event, Status
+from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
@@ -18,7 +19,6 @@ from toothspace.numerics.ndf_types import (
     MAX_STEPS,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
-    NdfRecord,
     NdfSettings,
     NdfState,
     make_record,
@@ -26,7 +26,6 @@ from toothspace.numerics.ndf_types import (
     make_state,
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
-from toothspace.results.events import Event
 from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
 
 _EVENT_CAPACITY = 20_000
@@ -52,7 +51,7 @@ _COUNTERS = {
 @final
 @dataclass(frozen=True)
 class March:
-    """One integration under way: advance it piece by piece."""
+    """One integration, advanced piece by piece."""
 
     system: System
     """What is integrated."""
@@ -68,12 +67,24 @@ class March:
         integration = Integration(self.program, self.settings, self.state, record)
         code = advance(self.system.arrays, integration, end)
         written = int(record.counts[0])
+        status = _STATUS.get(code, Status.STEP_TOO_SMALL)
+        if skips(self.system, record.samples[:written]).any():
+            status = Status.OUT_OF_MESH
+        count = min(int(record.counts[1]), record.event_times.size)
+        speed = self.system.condition.shaft_speed
         return Piece(
-            status=_STATUS.get(code, Status.STEP_TOO_SMALL),
+            status=status,
             stopped=code == TERMINAL_EVENT,
             times=record.sample_times[:written],
             states=record.samples[:written],
-            events=self._events(record),
+            events=tuple(
+                Event(
+                    speed * float(record.event_times[k]),
+                    float(record.event_times[k]),
+                    *self._event_text(int(record.event_index[k]), int(record.event_direction[k])),
+                )
+                for k in range(count)
+            ),
         )
 
     def restart(self, time: float, state: Array) -> None:
@@ -89,18 +100,6 @@ class March:
         """Counters of the integrator since its start."""
         control = self.state.control[0]
         return {key: float(control[name]) for key, name in _COUNTERS.items()}
-
-    def _events(self, record: NdfRecord) -> tuple[Event, ...]:
-        count = min(int(record.counts[1]), record.event_times.size)
-        speed = self.system.condition.shaft_speed
-        return tuple(
-            Event(
-                speed * float(record.event_times[k]),
-                float(record.event_times[k]),
-                *self._event_text(int(record.event_index[k]), int(record.event_direction[k])),
-            )
-            for k in range(count)
-        )
 
     def _event_text(self, index: int, direction: int) -> tuple[str, str]:
         description = self.system.description
@@ -124,6 +123,32 @@ class March:
         return kind, loaded_contacts(description, self.system.condition)[0].name
 
 
+def skips(system: System, states: Array) -> BoolArray:
+    """Whether a body has turned by more than half a tooth pitch from its place in the mesh.
+
+    Tables and contacts are those of the teeth that belong together, to first order in small
+    motions: beyond they are of other teeth, and nothing that follows means anything.
+
+    Parameters
+    ----------
+    system : System
+        Machine with its free motions.
+    states : ndarray
+        States over time.
+
+    Returns
+    -------
+    ndarray of bool
+        One value for each state.
+    """
+    first, motions = system.arrays.size.position, system.description.motions
+    turning = [
+        first + k for k, m in enumerate(system.free_motions) if motions[m].axis == "rotation"
+    ]
+    half_pitch = np.pi / system.description.families[0].count
+    return np.asarray((np.abs(states[:, turning]) > half_pitch).any(axis=1))
+
+
 @final
 @dataclass(frozen=True)
 class Piece:
@@ -134,6 +159,16 @@ class Piece:
     states: Array
     events: tuple[Event, ...]
     stopped: bool = False
+
+    @classmethod
+    def joined(cls, pieces: Sequence[Piece]) -> Piece:
+        """One piece of several that follow each other, with the status of the last."""
+        return cls(
+            pieces[-1].status,
+            np.concatenate([piece.times for piece in pieces]),
+            np.concatenate([piece.states for piece in pieces]),
+            tuple(event for piece in pieces for event in piece.events),
+        )
 
 
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:

@@ -32,9 +32,18 @@ from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.floating.motion import Balance
 from toothspace.floating.problem import LateralProblem, lateral_problem
 from toothspace.model.floating_bearing import HousingContact
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure, styled
-from toothspace.results.summary_names import unit_of
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    StudyFigure,
+    new_figure,
+    styled,
+)
+from toothspace.results.variables import unit_of
 from toothspace.studies.bearing_points import (
     LateralPoints,
     PointCondition,
@@ -42,15 +51,15 @@ from toothspace.studies.bearing_points import (
     point_key,
     prepare,
 )
-from toothspace.studies.keys import PRESSURE
-from toothspace.studies.records import DONE, Record
-from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import DONE, Record, Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NOT_SETTLED = Status.NOT_CONVERGED.name.lower()
 GAPS = (
     np.array([0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.3, 2.7, 3.2, 4, 5, 7, 10, 14, 20]) * 1e-6
 )
@@ -134,6 +143,8 @@ class FilmTable:
     """Numbers of the films over ``GAPS``, names with unit suffix."""
     plane_area: float
     """Area that plane rigid faces would carry. [m2]"""
+    unsettled: tuple[str, ...] = ()
+    """What did not come to its end, in words: the chambers, or the films at a gap."""
 
     def at(self, name: str, gaps: Array) -> Array:
         """Number of the films at gaps. [m to unit of the name]."""
@@ -149,20 +160,14 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyResult:
     """Follow the outlet pressures for every balanced area and every friction coefficient.
 
-    Returns
-    -------
-    StudyResult
-        Gaps, films and claims over ``friction_coefficient``, ``balance_ratio`` and ``point``.
+    Gaps, films and claims over ``friction_coefficient``, ``balance_ratio`` and ``point``.
 
-    Raises
-    ------
-    CaseError
-        If the case has no operating point or no floating bearing.
+    Raises CaseError if the case has no operating point or no floating bearing.
     """
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
     return StudyResult(
-        status=Status.DONE,
+        status=Status.POINTS_FAILED if any(one.unsettled for one in tables) else Status.DONE,
         data=_dataset(study, tables, loops),
         numbers=_numbers(study, tables, loops),
         tables=(_table(study, tables, loops),),
@@ -174,10 +179,7 @@ def film_tables(
 ) -> tuple[FilmTable, ...]:
     """Films of every outlet pressure of the study over the gap, rising pressures.
 
-    Raises
-    ------
-    CaseError
-        If the case has no operating point or no floating bearing.
+    Raises CaseError if the case has no operating point or no floating bearing.
     """
     # a coefficient of one leaves the force that presses the bearing against the wall
     points = prepare(case, HousingContact(friction_coefficient=1.0))
@@ -189,7 +191,8 @@ def film_tables(
         kept = context.records.get(key)
         if kept is None:
             table = _film_table(points, pressure)
-            context.records.add(Record(key, DONE, plain(asdict(table))))
+            told, status = "; ".join(table.unsettled), NOT_SETTLED if table.unsettled else DONE
+            context.records.add(Record(key, status, plain(asdict(table)), told))
         else:
             own: dict[str, Any] = {**kept.numbers, "opening": np.array(kept.numbers["opening"])}
             own["numbers"] = {name: np.array(v) for name, v in own["numbers"].items()}
@@ -209,7 +212,14 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     plane = lateral_problem(run.machine, run.fluid, lumped.data, rigid)
     back, bearing = problem.loads.back, problem.stack.balance.floating
     difference = back.high - back.low
-    rows = [_row(problem, gap) for gap in GAPS]
+    settled = [_row(problem, gap) for gap in GAPS]
+    rows = [row for row, _ in settled]
+    unsettled = [] if lumped.status.succeeded else [f"chambers are {lumped.status.name.lower()}"]
+    unsettled += [
+        f"films at {1e6 * gap:.3g} um do not settle"
+        for gap, (_, found) in zip(GAPS, settled, strict=True)
+        if not found
+    ]
     net = np.array([row.pop("opening_N") for row in rows])
     carried = _opening(plane, plane.started(_PLANE_GAP)) + bearing.preload.size
     return FilmTable(
@@ -219,16 +229,18 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
         problem.loads.friction.coulomb_force,
         {name: np.array([row[name] for row in rows]) for name in rows[0]},
         carried / difference,
+        tuple(unsettled),
     )
 
 
-def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
-    """Opening force without the balanced area, and numbers of the films at one gap."""
+def _row(problem: LateralProblem, gap: float) -> tuple[dict[str, float], bool]:
+    """Opening force without the balanced area, and numbers of the films at one gap; if settled."""
     held = problem.held_at(float(problem.stack.opening @ problem.stack.start(gap)))
     found = settle_bearing(held, held.started(gap))
     own = film_numbers(found.numbers)
     opening = _opening(problem, found.balance)
-    return {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+    numbers = {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+    return numbers, found.equilibrium.settled and found.warm
 
 
 def _opening(problem: LateralProblem, balance: Balance) -> float:
@@ -245,6 +257,8 @@ def follow(
 ) -> Array:
     """Gaps of the points in their order, with the set-valued friction law.
 
+    Gaps; the largest tabulated one stands for a bearing that lifted off. [m]
+
     Parameters
     ----------
     tables : sequence of FilmTable
@@ -255,11 +269,6 @@ def follow(
         Balanced area [m2] and friction coefficient [-].
     start : float
         Gap before the first point. [m]
-
-    Returns
-    -------
-    ndarray
-        Gaps; the largest tabulated one stands for a bearing that lifted off. [m]
 
     Notes
     -----
@@ -304,18 +313,15 @@ def follow_all(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> Array:
 def claims(gaps: Array, lifted: float) -> tuple[bool, bool, bool]:
     """Whether a loop does what the measurements show.
 
+    The position rises on the way up; it is nowhere lower and somewhere higher on the way down; the
+    bearing stays on its film.
+
     Parameters
     ----------
     gaps : ndarray
         Gaps of one loop, the highest pressure in its middle. [m]
     lifted : float
         Gap from which the bearing counts as lifted off. [m]
-
-    Returns
-    -------
-    tuple of bool
-        The position rises on the way up; it is nowhere lower and somewhere higher on the way
-        down; the bearing stays on its film.
     """
     top = len(gaps) // 2
     up, down = gaps[: top + 1], gaps[top:][::-1]
@@ -388,6 +394,11 @@ def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
         "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
         "highest_ratio_all_claims": [max(w) if w else None for w in windows],
         "ratios_with_all_claims": windows,
+        "unsettled": {
+            f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
+            for one in tables
+            if one.unsettled
+        },
     }
 
 

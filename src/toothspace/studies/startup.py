@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -15,13 +15,28 @@ from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, grid, integer
 from toothspace.core.units import from_si
-from toothspace.plotting.panels import StudyFigure, has_numbers
-from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
-from toothspace.studies.keys import SPEED
-from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    StudyFigure,
+    has_numbers,
+    new_figure,
+    styled,
+)
+from toothspace.results.solution import STANDING
+from toothspace.studies.points import (
+    collected,
+    map_dataset,
+    numbers_of,
+    numbers_table,
+    point,
+    point_lists,
+    status_of,
+)
+from toothspace.studies.study import Record, Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,7 +119,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         )
         for speed, angle in pairs
     ]
-    records = collected(points, context)
+    records = collected(points, context, started)
     plateaus = [from_si(speed, "rpm") for speed, _ in pairs]
     degrees = [math.degrees(angle) for _, angle in pairs]
     heads = {"plateau speed (rpm)": plateaus, "start angle (deg)": degrees}
@@ -115,6 +130,17 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers=point_lists({"plateau_speed_rpm": plateaus, "start_angle_deg": degrees}, records),
         tables=(numbers_table("startup", heads, COLUMNS, records), _starting_torque(records)),
     )
+
+
+def started(case: Case) -> Mapping[str, Any]:
+    """Run a start and return its summary numbers; a shaft that never turns did not start."""
+    from toothspace import api
+
+    found = api.simulate(case)
+    held = next((x for x in found.warnings if x.quantity == STANDING), None)
+    if held is not None and math.isnan(found.breakaway_time):
+        found = found.short_of(replace(held, severity="serious"))
+    return numbers_of(found)
 
 
 def _starting_torque(records: Sequence[Record]) -> StudyTable:

@@ -1,12 +1,17 @@
-"""Journal bearings and pads of the literature."""
+"""Journal bearings and pads of the literature: each as its source has it, and what it claims."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from toothspace.closures.journal_friction import PUBLISHED_CURVE
 from toothspace.core.types import Array
 from toothspace.films import Groove, JournalBearing, Lobes, RoughSurfaces, sweep_friction
+from toothspace.films.journal.mixed_lubrication import FrictionSweep
+from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import Pad, Pocket
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.validation.claim import (
@@ -16,9 +21,10 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     close,
+    columns,
+    data_file,
     within,
 )
-from toothspace.validation.resources import columns, data_file
 
 RAIMONDI = ValidationSource(
     "raimondi_boyd_1958",
@@ -67,19 +73,165 @@ PAWAR = ValidationSource(
 )
 
 
+SPEED = 100.0
+"""Shaft speed of the bearings whose source has numbers without dimension. [rad/s]"""
+
+
+def raimondi_bearing(
+    length_over_diameter: float,
+    grid: tuple[int, int] = (240, 31),
+    cavitation: str = "reynolds",
+) -> JournalBearing:
+    """Full bearing of Raimondi and Boyd; its numbers have no dimension."""
+    return JournalBearing(
+        diameter=0.02,
+        length=0.02 * length_over_diameter,
+        radial_clearance=10e-6,
+        dynamic_viscosity=0.03,
+        grid=grid,
+        cavitation=cavitation,
+    )
+
+
+def butenschoen_bearing(
+    length_over_diameter: float, grid: tuple[int, int] = (240, 31)
+) -> JournalBearing:
+    """Full bearing of Butenschoen; its numbers have no dimension."""
+    return JournalBearing(
+        diameter=0.1,
+        length=0.1 * length_over_diameter,
+        radial_clearance=50e-6,
+        dynamic_viscosity=0.01,
+        grid=grid,
+        cavitation="reynolds",
+    )
+
+
+def lund_thomsen_bearing(
+    length_over_diameter: float, elliptical: bool, cavitation: str = "reynolds"
+) -> JournalBearing:
+    """Bearing with two axial grooves of 20 degrees, cylindrical or of two lobes."""
+    length = 0.1 * length_over_diameter
+    return JournalBearing(
+        diameter=0.1,
+        length=length,
+        radial_clearance=100e-6,
+        dynamic_viscosity=0.01,
+        grid=(144, 21),
+        cavitation=cavitation,
+        grooves=tuple(
+            Groove(side * np.pi / 2, np.radians(20.0), length, 0.0) for side in (1.0, -1.0)
+        ),
+        lobes=Lobes(2, 0.5) if elliptical else None,
+        end_pressure=0.0,
+        cavitation_pressure=0.0,
+    )
+
+
+def lund_thomsen_load(bearing: JournalBearing, sommerfeld_number: float) -> float:
+    """Load at their Sommerfeld number ``mu N L D (R / c)^2 / W``. [N]."""
+    stiff = (0.5 * bearing.diameter / bearing.radial_clearance) ** 2
+    rate = SPEED / (2.0 * np.pi)
+    area = bearing.diameter * bearing.length
+    return float(bearing.dynamic_viscosity * rate * area * stiff / sommerfeld_number)
+
+
+def elrod_film(row: Mapping[str, float]) -> JournalBearingSolution:
+    """Film of the bearing with one groove of 15 degrees, for a row of the table."""
+    length = float(row["l_b_m"])
+    bearing = JournalBearing(
+        diameter=float(row["d_b_m"]),
+        length=length,
+        radial_clearance=float(row["c_m"]),
+        dynamic_viscosity=float(row["mu_Pas"]),
+        grid=(int(row["n_x"]), int(row["n_y"])),
+        cavitation="guembel" if row["guembel"] else "jfo",
+        grooves=(Groove(np.pi / 2, np.radians(15.0), 0.75 * length, float(row["p_groove_Pa"])),),
+        end_pressure=0.0,
+        cavitation_pressure=0.0,
+    )
+    return bearing.solve(
+        eccentricity=(float(row["eps_h"]), float(row["eps_v"])),
+        shaft_speed=float(row["rpm"]) * np.pi / 30.0,
+    )
+
+
+def bertocchi_pad(grid: tuple[int, int] = (160, 80)) -> Pad:
+    """Pad with the small pocket; it slides at 1 m/s."""
+    return Pad(
+        length=20e-3,
+        width=10e-3,
+        inlet_height=1.1e-6,
+        outlet_height=1.0e-6,
+        fluid=FilmFluid(0.01, pressure_viscosity=1.2e-8, compressible=True),
+        pocket=Pocket(0.4e-6, 4e-3, 6e-3, 7e-3),
+        grid=grid,
+        ambient_pressure=1e5,
+    )
+
+
+def comsol_film(
+    grid: tuple[int, int] = (180, 21), cavitation: str = "jfo"
+) -> JournalBearingSolution:
+    """Bearing under 40 kN at 10 000 rpm; 11th lane: the mid plane."""
+    bearing = JournalBearing(
+        diameter=0.2,
+        length=0.067,
+        radial_clearance=200e-6,
+        dynamic_viscosity=0.075,
+        pressure_viscosity=25e-9,
+        grid=grid,
+        cavitation=cavitation,
+        grooves=tuple(Groove(angle, np.radians(10.0), 0.067, 0.0) for angle in (0.0, np.pi)),
+        end_pressure=0.0,
+        cavitation_pressure=0.0,
+    )
+    return bearing.equilibrium(load=(0.0, -40e3), shaft_speed=10000.0 * np.pi / 30.0)
+
+
+def pawar_sweep(
+    sommerfeld_numbers: ArrayLike,
+    grid: tuple[int, int] = (144, 15),
+    cavitation: str = "jfo",
+    roughness: tuple[float, float] = (0.13e-6, 0.27e-6),
+) -> FrictionSweep:
+    """Friction of the motor's journal bearing at the load of Table 2.
+
+    Parameters
+    ----------
+    sommerfeld_numbers : array
+        Where. [-]
+    grid, cavitation
+        Of the film.
+    roughness : tuple
+        Of journal and bush, root mean square; the source does not give it. [m]
+    """
+    bearing = JournalBearing(
+        diameter=18e-3,
+        length=19e-3,
+        radial_clearance=1e-3 * 9e-3,
+        dynamic_viscosity=0.026,
+        grid=grid,
+        cavitation=cavitation,
+        surfaces=RoughSurfaces(
+            moving_roughness=roughness[0],
+            resting_roughness=roughness[1],
+            correlation_length=15e-6,
+            effective_modulus=50e9,
+            hardness=0.3e9,
+            boundary_friction=0.05,
+        ),
+    )
+    numbers = [float(s) for s in np.ravel(sommerfeld_numbers)]
+    return sweep_friction(bearing, load=5500.0, sommerfeld_numbers=numbers)
+
+
 def _raimondi(effort: Effort) -> Evidence:
     rows = columns("raimondi_boyd_1958")
     keep = rows["length_over_diameter"] == 1.0
     ratio, published = rows["eccentricity_ratio"][keep], rows["sommerfeld_number"][keep]
     grid, rel, margin = ((240, 31), 0.007, 0.1) if effort == "full" else ((120, 21), 0.02, 0.4)
-    bearing = JournalBearing(
-        diameter=0.02,
-        length=0.02,
-        radial_clearance=10e-6,
-        dynamic_viscosity=0.03,
-        grid=grid,
-        cavitation="reynolds",
-    )
+    bearing = raimondi_bearing(1.0, grid)
     films = [bearing.solve(eccentricity=(float(e), 0.0), shaft_speed=200.0) for e in ratio]
     found = np.array([film.sommerfeld_number for film in films])
     angles = np.degrees([film.attitude_angle for film in films])
@@ -102,17 +254,10 @@ def _butenschoen(effort: Effort) -> Evidence:
     if effort == "short":
         keep &= np.arange(keep.size) % 2 == 0
     grid, rel = ((240, 31), 0.007) if effort == "full" else ((120, 21), 0.02)
-    diameter, clearance, speed = 0.1, 50e-6, 100.0
-    bearing = JournalBearing(
-        diameter=diameter,
-        length=0.5 * diameter,
-        radial_clearance=clearance,
-        dynamic_viscosity=0.01,
-        grid=grid,
-        cavitation="reynolds",
-    )
-    eps, unit_flow = rows["eps"][keep], (diameter / 2) ** 3 * 2 * clearance / diameter * speed
-    films = [bearing.solve(eccentricity=(float(e), 0.0), shaft_speed=speed) for e in eps]
+    bearing = butenschoen_bearing(0.5, grid)
+    eps = rows["eps"][keep]
+    unit_flow = (0.5 * bearing.diameter) ** 2 * bearing.radial_clearance * SPEED
+    films = [bearing.solve(eccentricity=(float(e), 0.0), shaft_speed=SPEED) for e in eps]
     loads = np.array([film.sommerfeld_number_din for film in films])
     flows = [film.side_flow / unit_flow for film in films]
     values = [
@@ -132,31 +277,15 @@ def _lund(effort: Effort) -> Evidence:
     rows = columns("lund_thomsen_1978")
     lines = data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()[1:]
     names = [line.split(",")[0] for line in lines]
-    radius, clearance, viscosity, speed = 0.05, 100e-6, 0.01, 100.0
     worst, eccentricities = 0.0, []
     picked = range(0, len(names), 1 if effort == "full" else 6)
     for k in picked:
-        length = 2.0 * radius * rows["L_over_D"][k]
-        bearing = JournalBearing(
-            diameter=2.0 * radius,
-            length=length,
-            radial_clearance=clearance,
-            dynamic_viscosity=viscosity,
-            grid=(144, 21),
-            cavitation="reynolds",
-            grooves=tuple(
-                Groove(side * np.pi / 2, np.radians(20.0), length, 0.0) for side in (1.0, -1.0)
-            ),
-            lobes=Lobes(2, 0.5) if "elliptical" in names[k] else None,
-            end_pressure=0.0,
-            cavitation_pressure=0.0,
-        )
-        rate = speed / (2.0 * np.pi)
-        stiff = (radius / clearance) ** 2
-        load = viscosity * rate * 2.0 * radius * length * stiff / rows["S"][k]
-        film = bearing.equilibrium(load=(load, 0.0), shaft_speed=speed)
+        bearing = lund_thomsen_bearing(float(rows["L_over_D"][k]), "elliptical" in names[k])
+        load = lund_thomsen_load(bearing, float(rows["S"][k]))
+        film = bearing.equilibrium(load=(load, 0.0), shaft_speed=SPEED)
         eccentricities.append(film.eccentricity_ratio)
-        found = np.stack([film.stiffness, speed * film.damping]).ravel() * clearance / load
+        scale = bearing.radial_clearance / load
+        found = scale * np.stack([film.stiffness, SPEED * film.damping]).ravel()
         headings = ("Kxx", "Kxy", "Kyx", "Kyy", "Bxx", "Bxy", "Bxy", "Byy")
         table = np.array([rows[name][k] for name in headings])
         error = np.abs(found - table) / np.maximum(0.06 * np.abs(table), 0.02)
@@ -178,27 +307,9 @@ def _elrod(effort: Effort) -> Evidence:
     largest = 200 if effort == "short" else 400
     values = []
     for k in np.flatnonzero((rows["n_x"] <= largest) & (rows["n_x"] >= 200)):
-        length = float(rows["l_b_m"][k])
-        linear = bool(rows["guembel"][k])
-        bearing = JournalBearing(
-            diameter=float(rows["d_b_m"][k]),
-            length=length,
-            radial_clearance=float(rows["c_m"][k]),
-            dynamic_viscosity=float(rows["mu_Pas"][k]),
-            grid=(int(rows["n_x"][k]), int(rows["n_y"][k])),
-            cavitation="guembel" if linear else "jfo",
-            grooves=(
-                Groove(np.pi / 2, np.radians(15.0), 0.75 * length, float(rows["p_groove_Pa"][k])),
-            ),
-            end_pressure=0.0,
-            cavitation_pressure=0.0,
-        )
-        film = bearing.solve(
-            eccentricity=(float(rows["eps_h"][k]), float(rows["eps_v"][k])),
-            shaft_speed=float(rows["rpm"][k]) * np.pi / 30.0,
-        )
+        film = elrod_film({name: float(column[k]) for name, column in rows.items()})
         name = f"eps {rows['eps_h'][k]:g}, {int(rows['n_x'][k])} cells"
-        name += ", linear" if linear else ""
+        name += ", linear" if rows["guembel"][k] else ""
         load = float(np.hypot(rows["F_h_N"][k], rows["F_v_N"][k]))
         torque, flow = rows["M_fr_Nm"][k], -rows["V_dot_m3ps"][k] * 6e4
         values += [
@@ -212,16 +323,7 @@ def _elrod(effort: Effort) -> Evidence:
 def _bertocchi(effort: Effort) -> Evidence:
     rows = columns("bertocchi_2013")
     place, published = rows["x"], rows["p_small_pocket"]
-    pad = Pad(
-        length=20e-3,
-        width=10e-3,
-        inlet_height=1.1e-6,
-        outlet_height=1.0e-6,
-        fluid=FilmFluid(0.01, pressure_viscosity=1.2e-8, compressible=True),
-        pocket=Pocket(0.4e-6, 4e-3, 6e-3, 7e-3),
-        grid=(160, 80) if effort == "full" else (120, 60),
-        ambient_pressure=1e5,
-    )
+    pad = bertocchi_pad((160, 80) if effort == "full" else (120, 60))
     film = pad.solve(speed=1.0)
     along = film.pressure_centerline / 1e6
     found = np.interp(place * pad.length, film.x, along)
@@ -238,19 +340,7 @@ def _bertocchi(effort: Effort) -> Evidence:
 
 def _comsol(effort: Effort) -> Evidence:
     rows = columns("comsol_journal")
-    bearing = JournalBearing(
-        diameter=0.2,
-        length=0.067,
-        radial_clearance=200e-6,
-        dynamic_viscosity=0.075,
-        pressure_viscosity=25e-9,
-        grid=(180, 21) if effort == "full" else (120, 21),
-        cavitation="jfo",
-        grooves=tuple(Groove(angle, np.radians(10.0), 0.067, 0.0) for angle in (0.0, np.pi)),
-        end_pressure=0.0,
-        cavitation_pressure=0.0,
-    )
-    film = bearing.equilibrium(load=(0.0, -40e3), shaft_speed=10000.0 * np.pi / 30.0)
+    film = comsol_film((180, 21) if effort == "full" else (120, 21))
     pressure = film.pressure[:, 10] / 1e5
     published, peak = rows["p_bar"], float(rows["p_bar"].max())
     title, axes = "Pressure in the mid plane", ("angle (deg)", "pressure (bar)")
@@ -260,24 +350,8 @@ def _comsol(effort: Effort) -> Evidence:
 
 
 def _friction(effort: Effort) -> Evidence:
-    bearing = JournalBearing(
-        diameter=18e-3,
-        length=19e-3,
-        radial_clearance=1e-3 * 9e-3,
-        dynamic_viscosity=0.026,
-        grid=(144, 15) if effort == "full" else (96, 11),
-        cavitation="jfo",
-        surfaces=RoughSurfaces(
-            moving_roughness=0.13e-6,
-            resting_roughness=0.27e-6,
-            correlation_length=15e-6,
-            effective_modulus=50e9,
-            hardness=0.3e9,
-            boundary_friction=0.05,
-        ),
-    )
     numbers = np.geomspace(0.001, 0.2, 16 if effort == "full" else 9)
-    sweep = sweep_friction(bearing, load=5500.0, sommerfeld_numbers=[float(s) for s in numbers])
+    sweep = pawar_sweep(numbers, (144, 15) if effort == "full" else (96, 11))
     found: Array = np.asarray(sweep.friction_coefficient)
     published = np.array([PUBLISHED_CURVE(s) for s in numbers]).ravel()
     rows = [

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from toothspace.core.errors import GeometryError
-from toothspace.geometry import cad_import, limited_reading, solid_import
+from toothspace.geometry import cad_import, limited_reading
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import load_closed_curves
@@ -211,7 +211,7 @@ def test_large_files_are_read_within_the_limits(
     export_gear(generate_profile(MOTOR, 80), path, WIDTH)
     here = load_closed_curves(path)
     monkeypatch.setattr(cad_import, "_LARGE", 0)
-    monkeypatch.setattr(solid_import, "READ_HERE", 0)
+    monkeypatch.setattr(cad_import, "READ_HERE", 0)
     elsewhere = load_closed_curves(path)
     assert [len(curve) for curve in elsewhere] == [len(curve) for curve in here]
     assert np.array_equal(elsewhere[0], here[0])

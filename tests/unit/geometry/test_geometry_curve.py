@@ -2,20 +2,18 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import GeometryError
+from toothspace.geometry.cad_import import load_polygons
 from toothspace.geometry.curve import (
     CurveSegment,
     arc_lengths,
+    checked_polygon,
     counter_clockwise,
+    enclosed,
     first_self_crossing,
     resample_by_curvature,
     sample_segments,
     signed_area,
     without_repeats,
-)
-from toothspace.geometry.polygon import (
-    checked_polygon,
-    enclosed,
-    load_polygons,
 )
 
 SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])

@@ -6,12 +6,12 @@ from toothspace.advice.gear_rules import pair_checks
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.gear_pair import (
     GearPair,
+    flank_clearance,
     pair_from_backlash,
     pair_from_center_distance,
     trapped_volume_change,
 )
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.mesh_clearance import flank_clearance
 
 MOTOR = InvoluteGear(12, 2.75e-3, np.deg2rad(20.0), 0.3, tip_diameter=40.372e-3)
 WHEEL = InvoluteGear(17, 2.75e-3, np.deg2rad(20.0), 0.1)

@@ -36,6 +36,14 @@ def test_error_is_over_the_larger_power() -> None:
     assert pump(remainder=1.0).energy_balance_error == pytest.approx(1.0 / 101.0)
 
 
+def test_what_is_stored_counts_where_nothing_is_driven() -> None:
+    """Gas relaxes in fluid at rest: 55 mJ come from the store, 1 mJ passes a port."""
+    energy = {"gas_relaxation": 0.055, "stored_change": -0.054, "port_outlet": -0.001 + 5e-8}
+    still = ledger_from({**energy, "mass_stored_change": 1e-3, "mass_outlet": 0.0}, 0.1, 0.0)
+    assert still.energy_balance_error == pytest.approx(5e-8 / 0.054, rel=1e-3)
+    assert still.mass_balance_error == 1.0
+
+
 @pytest.mark.parametrize("ledger", [pump(), pump(3.0), fake_ledger(0.04, TURN)])
 def test_table_closes(ledger: Ledger) -> None:
     rows = power_ledger(ledger)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import csv
 
-import numpy as np
 import pytest
 
-from toothspace.films import Groove, JournalBearing
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
+from toothspace.validation.published_films import elrod_film
 
 ROWS = [
     {key: float(text) for key, text in row.items()}
@@ -22,21 +21,7 @@ def _label(row: dict[str, float]) -> str:
 
 @pytest.mark.parametrize("row", ROWS, ids=_label)
 def test_forces_friction_and_flow(row: dict[str, float]) -> None:
-    groove = Groove(np.pi / 2, np.radians(15.0), 0.75 * row["l_b_m"], row["p_groove_Pa"])
-    bearing = JournalBearing(
-        diameter=row["d_b_m"],
-        length=row["l_b_m"],
-        radial_clearance=row["c_m"],
-        dynamic_viscosity=row["mu_Pas"],
-        grid=(int(row["n_x"]), int(row["n_y"])),
-        cavitation="guembel" if row["guembel"] else "jfo",
-        grooves=(groove,),
-        end_pressure=0.0,
-        cavitation_pressure=0.0,
-    )
-    film = bearing.solve(
-        eccentricity=(row["eps_h"], row["eps_v"]), shaft_speed=row["rpm"] * np.pi / 30.0
-    )
+    film = elrod_film(row)
     assert -film.force == pytest.approx([row["F_h_N"], row["F_v_N"]], rel=0.01)
     assert film.bush_friction_torque == pytest.approx(row["M_fr_Nm"], rel=0.005)
     assert film.max_pressure == pytest.approx(row["pmax_Pa"], rel=0.005)

@@ -7,8 +7,8 @@ import csv
 import numpy as np
 import pytest
 
-from toothspace.films import JournalBearing
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
+from toothspace.validation.published_films import raimondi_bearing
 
 ROWS = list(csv.DictReader(data_file("raimondi_boyd_1958").read_text().splitlines()))
 
@@ -19,14 +19,7 @@ ROWS = list(csv.DictReader(data_file("raimondi_boyd_1958").read_text().splitline
 )
 def test_load_attitude_and_pressure(row: dict[str, str], cavitation: str) -> None:
     value = {key: float(text) for key, text in row.items()}
-    bearing = JournalBearing(
-        diameter=0.02,
-        length=0.02 * value["length_over_diameter"],
-        radial_clearance=10e-6,
-        dynamic_viscosity=0.03,
-        grid=(240, 31),
-        cavitation=cavitation,
-    )
+    bearing = raimondi_bearing(value["length_over_diameter"], cavitation=cavitation)
     film = bearing.solve(eccentricity=(value["eccentricity_ratio"], 0.0), shaft_speed=200.0)
     mean = film.load / (bearing.diameter * bearing.length)
     peak = film.max_pressure - bearing.cavitation_pressure

@@ -9,8 +9,7 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.journal.definition import JournalDefinition
-from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.geometry import JournalDefinition, MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import JournalBearingSolution, load_derivatives, solve_motion
 
 _LONGEST_STEP = 0.5
@@ -49,7 +48,11 @@ def find_equilibrium(
         rows, lanes = bearing.grid
         cells = max(min(rows, 48), rows // 4), max(min(lanes, 9), lanes // 4)
         coarse = replace(bearing, grid=cells)
-        guess = _newton(coarse, load, speed, _first_guess(bearing, load, speed), 1e-3)
+        # half the smallest clearance of the centred shaft, 55 degrees from the load with rotation
+        sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
+        size = 0.5 if bearing.lobes is None else 0.5 * (1.0 - bearing.lobes.preload)
+        angle = np.arctan2(load[1], load[0]) + sense * np.radians(55.0)
+        guess = _newton(coarse, load, speed, size * np.array([np.cos(angle), np.sin(angle)]), 1e-3)
         # a coarse grid does not resolve a nearly closed gap, so it may go too far
         place = guess.eccentricity
         place = place * min(1.0, 0.97 / max(closeness(place, bearing), 0.01))
@@ -118,14 +121,6 @@ def _sinking_step(
     pace = min(pace, float(np.hypot(*free)) / longest)
     step = np.linalg.solve(stiffness + pace * damping, error)
     return pace, np.asarray(step * min(1.0, longest / max(float(np.hypot(*step)), 1e-300)))
-
-
-def _first_guess(bearing: JournalDefinition, load: Array, speed: SurfaceSpeed) -> Array:
-    """Half the smallest clearance of the centred shaft, 55 degrees from the load with rotation."""
-    sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
-    size = 0.5 if bearing.lobes is None else 0.5 * (1.0 - bearing.lobes.preload)
-    angle = np.arctan2(load[1], load[0]) + sense * np.radians(55.0)
-    return size * np.array([np.cos(angle), np.sin(angle)])
 
 
 def _solve_at(

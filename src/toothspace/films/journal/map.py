@@ -34,17 +34,14 @@ _LEAST = 1e-3
 def solved_journal(length_over_diameter: float, clearance_over_roughness: float) -> SolvedJournal:
     r"""Force map and shear of a journal bearing from solutions of the Reynolds equation.
 
+    Map and shear table. [-]
+
     Parameters
     ----------
     length_over_diameter : float
         Bearing length over diameter. [-]
     clearance_over_roughness : float
         Radial clearance over the combined roughness; infinite for smooth walls. [-]
-
-    Returns
-    -------
-    SolvedJournal
-        Map and shear table. [-]
 
     Notes
     -----
@@ -60,28 +57,14 @@ def solved_journal(length_over_diameter: float, clearance_over_roughness: float)
     .. [1] J. F. Booker, Dynamically loaded journal bearings: mobility method of solution,
        J. Basic Eng. 87 (1965) 537-546.
     """
-    bearing = _unit_bearing(length_over_diameter, clearance_over_roughness)
-    closed = build_journal_map(length_over_diameter)
-    samples = np.array([[_force(bearing, t, a) for a in _DIRECTIONS] for t in _GAP_STEPS])
-    reference = _closed_force(closed.nodes, closed.logarithm_step)
-    ratio = samples / reference
-    ratio[:, 0] = ratio[:, 0].real
-    ratio[:, -1] = ratio[:, -1].real
-    nodes = _scaled(closed.nodes, closed.logarithm_step, ratio)
-    ratios = np.linspace(0.0, _SHEAR_RANGE, 29)
-    shear = np.array([_shear(bearing, e) for e in np.maximum(ratios, _LEAST)])
-    return SolvedJournal(nodes, shear, _SHEAR_RANGE)
-
-
-def _unit_bearing(slenderness: float, clearance_over_roughness: float) -> JournalBearing:
-    """Bearing of radius 1000 clearances and viscosity 1; pressures above the cavity's."""
+    # bearing of radius 1000 clearances and viscosity 1; pressures above the cavity's
     surfaces = None
     if math.isfinite(clearance_over_roughness):
         each = 1.0 / (clearance_over_roughness * math.sqrt(2.0))
         surfaces = RoughSurfaces(moving_roughness=each, resting_roughness=each, contact_law="none")
-    return JournalBearing(
+    bearing = JournalBearing(
         diameter=2e3,
-        length=2e3 * slenderness,
+        length=2e3 * length_over_diameter,
         radial_clearance=1.0,
         dynamic_viscosity=1.0,
         grid=_GRID,
@@ -90,6 +73,24 @@ def _unit_bearing(slenderness: float, clearance_over_roughness: float) -> Journa
         cavitation="reynolds",
         surfaces=surfaces,
     )
+    closed = build_journal_map(length_over_diameter)
+    samples = np.array([[_force(bearing, t, a) for a in _DIRECTIONS] for t in _GAP_STEPS])
+    # force of the closed form at the samples
+    half = closed.nodes.shape[1] // 2 + 1
+    angle = _turns(closed.nodes.shape[1])[:half]
+    height = closed.logarithm_step * np.arange(closed.nodes.shape[0])
+    parts = [
+        RectBivariateSpline(height, angle, closed.nodes[:, :half, m, 0])(_GAP_STEPS, _DIRECTIONS)
+        for m in range(2)
+    ]
+    reference = np.asarray((parts[0] + 1j * parts[1]) * np.exp(1.5 * _GAP_STEPS)[:, None])
+    ratio = samples / reference
+    ratio[:, 0] = ratio[:, 0].real
+    ratio[:, -1] = ratio[:, -1].real
+    nodes = _scaled(closed.nodes, closed.logarithm_step, ratio)
+    ratios = np.linspace(0.0, _SHEAR_RANGE, 29)
+    shear = np.array([_shear(bearing, e) for e in np.maximum(ratios, _LEAST)])
+    return SolvedJournal(nodes, shear, _SHEAR_RANGE)
 
 
 def _force(bearing: JournalBearing, gap_step: float, direction: float) -> complex:
@@ -107,18 +108,6 @@ def _turns(count: int) -> Array:
     x = np.abs(turn - 2.0) - 1.0
     y = np.where(turn <= 2.0, 1.0 - np.abs(x), np.abs(x) - 1.0)
     return np.asarray(np.mod(np.arctan2(y, x), 2.0 * np.pi))
-
-
-def _closed_force(nodes: Array, step: float) -> Array:
-    """Force of the closed form at the samples."""
-    half = nodes.shape[1] // 2 + 1
-    angle = _turns(nodes.shape[1])[:half]
-    height = step * np.arange(nodes.shape[0])
-    parts = [
-        RectBivariateSpline(height, angle, nodes[:, :half, m, 0])(_GAP_STEPS, _DIRECTIONS)
-        for m in range(2)
-    ]
-    return np.asarray((parts[0] + 1j * parts[1]) * np.exp(1.5 * _GAP_STEPS)[:, None])
 
 
 def _scaled(nodes: Array, step: float, ratio: Array) -> Array:

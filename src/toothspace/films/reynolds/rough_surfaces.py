@@ -9,8 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toothspace.closures.contact_asperities import greenwood_tripp_pressure, kogut_etsion_pressure
-from toothspace.closures.contact_rough import asperity_pressure, mean_gap_ratio
+from toothspace.closures.contact_rough import (
+    asperity_pressure,
+    greenwood_tripp_pressure,
+    kogut_etsion_pressure,
+    mean_gap_ratio,
+)
 from toothspace.closures.flow_factors import (
     PatternColumns,
     contact_factor,
@@ -249,11 +253,7 @@ def flow_law(surfaces: RoughSurfaces, slide_ratio: float) -> FlowLaw:
         slide_ratio,
         _NO_TABLE,
     )
-    return law._replace(table=_flow_table(law))
-
-
-def _flow_table(law: FlowLaw) -> FlowTable:
-    """Table that replaces powers and exponentials of the law where films are thin."""
+    # table that replaces powers and exponentials of the law where films are thin
     ratios = _NO_TABLE.first + _NO_TABLE.step * np.arange(_TABLE_NODES)
     # just above its first node the law no longer holds the gap
     gaps = np.maximum(ratios, _NO_TABLE.first * (1.0 + 1e-12)) * law.roughness
@@ -266,7 +266,9 @@ def _flow_table(law: FlowLaw) -> FlowTable:
     carried[:, 0] /= law.roughness
     squeeze = np.array([squeeze_law(float(h), law) for h in gaps])
     squeeze[:, 1] *= law.roughness
-    return _NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried, squeeze=squeeze)
+    return law._replace(
+        table=_NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried, squeeze=squeeze)
+    )
 
 
 def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:

@@ -8,7 +8,7 @@ from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
-from toothspace.gearing.outlines import SpaceOutlines
+from toothspace.gearing.openings import SpaceOutlines
 from toothspace.machines.crescent import gear_bodies
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
