@@ -67,7 +67,7 @@ def compile_entry(name: str, types: str) -> Compiled:
     function = getattr(import_module(f"toothspace.{module}"), function_name)
     arguments = parsed(types)
     assert isinstance(arguments, TupleType)
-    options = {**function.targetoptions, "nopython": True}
+    options = {k: v for k, v in function.targetoptions.items() if k != "nopython"}
     names: dict[str, Any] = {"function": function, "__name__": "native.entries"}
     given = ", ".join(
         _expression(f"words.a{k}", one, names) for k, one in enumerate(arguments.members)

@@ -20,7 +20,7 @@ Definition = tuple[str, str]
 BODY = "<module>"
 """What a module runs when it is imported."""
 
-MACHINE_PARTS = {"parameters", "export", "case_draft", "designs"}
+MACHINE_PARTS = {"parameters", "cad", "designs"}
 """Modules of a machine type that are found by their name."""
 
 EXTENSIONS = {"numba.extending": "", "toothspace.core.compiled": "stand_in"}

@@ -27,7 +27,7 @@ from toothspace.core.status import Status
 from toothspace.report.html import write_report
 from toothspace.report.study import study_report_html
 from toothspace.results import variables
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 from toothspace.studies import run_study
 
 TYPE = """
@@ -141,11 +141,11 @@ from dataclasses import dataclass
 from typing import final
 
 from toothspace.core.keys import KeyTable, integer
-from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import StudyFigure
 from toothspace.plotting.style import new_figure
 from toothspace.studies.points import collected, operating_values, point, status_of
 from toothspace.studies.study import Study, StudyResult
-from toothspace.studies.tabulate import map_dataset, point_lists
+from toothspace.studies.points import map_dataset, point_lists
 
 
 @final
@@ -292,7 +292,7 @@ FILTER_USE = """
 import json, sys
 from toothspace.api import fluid_of
 from toothspace.case import Case
-from toothspace.case.json_schema import case_schema
+from toothspace.case.case import case_schema
 from toothspace.circuit.circuit import build_circuit
 from toothspace.circuit.elements import LAWS, element_flow
 from toothspace.circuit.history import Tables
@@ -361,6 +361,48 @@ def test_friction_closure() -> None:
     assert calling != kernel
     called = graph_with(closures__friction=formulas, model__drive=calling)
     assert formula in called.reached(entry_points(called))
+
+
+CHOSEN = """
+
+def toy_friction(speed, breakaway, coulomb, breakaway_speed):
+    return coulomb * speed / breakaway_speed, coulomb / breakaway_speed
+
+
+SMOOTH_LAWS["toy"] = toy_friction
+"""
+CHOSEN_USE = """
+from toothspace.core.keys import Source, Table
+from toothspace.floating.housing_friction import housing_friction
+from toothspace.model.floating_bearing import HousingContact
+from toothspace.studies.bearing_path import STUDY
+
+keys = Table(doc="", spec=HousingContact)
+contact = keys.read({"friction_coefficient": 0.1, "law": "toy"}, Source())
+print(*housing_friction(contact, 50.0).force(2.0 * contact.breakaway_speed))
+given = {"outlet_pressures": ["10 bar", "20 bar"], "friction_law": "toy"}
+assert Table(doc="", spec=STUDY.keys).read(given, Source()).friction_law == "toy"
+"""
+
+
+def test_friction_law_that_a_case_may_choose(tmp_path: Path) -> None:
+    """One entry beside its formula: machines and studies take its name, bearings its force."""
+    package = tmp_path / "toothspace"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    formulas = package / "closures" / "friction.py"
+    formulas.write_text(formulas.read_text(encoding="utf-8") + CHOSEN, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", CHOSEN_USE],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    force, slope = map(float, done.stdout.split())
+    assert force == pytest.approx(2.0 * 0.1 * 50.0)
+    assert slope == pytest.approx(0.1 * 50.0 / 6.45e-3)
 
 
 def test_the_page_names_files_that_are_there() -> None:

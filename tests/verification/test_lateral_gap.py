@@ -22,7 +22,7 @@ from tests.lateral_stack import (
 )
 from toothspace.core.types import Array
 from toothspace.films import FilmFluid, LateralFilm
-from toothspace.floating.coupled_run import hold_down_warning
+from toothspace.floating.coupling import hold_down_warning
 from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -33,8 +33,14 @@ from toothspace.floating.face_grid import FaceGrid
 from toothspace.floating.housing_friction import HousingFriction, normal_force
 from toothspace.floating.motion import StepSettings, balance_force, state_at
 from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
-from toothspace.floating.stack import BackPressure, PreviousStep, Stack, StackState
-from toothspace.floating.stops import leaning, stop_forces
+from toothspace.floating.stack import (
+    BackPressure,
+    PreviousStep,
+    Stack,
+    StackState,
+    leaning,
+    stop_forces,
+)
 from toothspace.model.film_faces import FILM, NO_BODY, FaceCells
 from toothspace.model.floating_bearing import AxialForce, HousingContact
 
@@ -234,7 +240,7 @@ def test_wall_carries_the_moment_that_the_film_does_not() -> None:
 
 def test_smooth_friction_peaks_at_the_breakaway_speed() -> None:
     """Eq. 15 of Thiagarajan et al.: odd, F_brk at v_brk, F_c far above."""
-    law = HousingFriction(coulomb_force=40.0, breakaway_speed=6.45e-3, holds=False)
+    law = HousingFriction(coulomb_force=40.0, breakaway_speed=6.45e-3, law="stribeck")
     speeds = np.linspace(0.1e-3, 30e-3, 3000)
     forces = np.array([law.force(v)[0] for v in speeds])
     assert speeds[np.argmax(forces)] == pytest.approx(6.45e-3, rel=0.02)

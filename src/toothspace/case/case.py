@@ -10,21 +10,36 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, final
 
-from toothspace.case.case_tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
+from toothspace.case.case_tables import (
+    MACHINE_KEY,
+    SCHEMA_VERSION,
+    STUDY_KEY,
+    CaseTables,
+    broken_rules,
+)
 from toothspace.case.document import (
+    BASE,
+    CONDITIONS,
     Document,
     document_text,
     parse_document,
     read_document,
     require_ordinary,
+    split_override,
+    with_values,
 )
 from toothspace.case.fingerprint import cached_by_hash
-from toothspace.case.overrides import CONDITIONS, split_override, with_values
-from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of
-from toothspace.core.keys import FileText, Problems, Source, Table, shown
+from toothspace.core.keys import (
+    FileText,
+    Problems,
+    Schema,
+    Source,
+    Table,
+    shown,
+)
 from toothspace.core.registry import view
 from toothspace.core.units import as_text
 from toothspace.library import shipped_folder
@@ -34,6 +49,25 @@ if TYPE_CHECKING:
 
 _KEPT_MACHINES = 16
 _machines: dict[str, Any] = {}
+_BASE = {
+    "description": "Case file that this one is based on: its keys count where this file has none.",
+    "anyOf": [
+        {"type": "string"},
+        {
+            "type": "object",
+            "properties": {
+                "file": {"type": "string", "description": "Case file, relative to this one."},
+                "without": {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "description": "Key paths of that file to be left out.",
+                },
+            },
+            "required": ["file"],
+            "additionalProperties": False,
+        },
+    ],
+}
 
 
 @final
@@ -426,3 +460,24 @@ def _made(
         raise document.refuse(error) from error
     object.__setattr__(case, "_read_from", Document(document.label, {}, document.places))
     return case
+
+
+def case_schema() -> Schema:
+    """Return the schema of a whole case file.
+
+    A file with a ``base`` needs to be whole together with its base only, so what a case must
+    have is asked of a file without one.
+    """
+    keys = Table(spec=Case).schema()
+    whole = {
+        "required": ["schema", "title"],
+        "oneOf": [{"required": [name]} for name in CONDITIONS],
+    }
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "toothspace case file",
+        **keys,
+        "properties": {BASE: _BASE, **keys["properties"]},
+        "required": [],
+        "anyOf": [{"required": [BASE]}, whole],
+    }

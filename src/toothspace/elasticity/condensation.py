@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple, final
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.linalg.blas import dgemm, dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf
+import scipy
 
 from toothspace.core.compiled import njit
 from toothspace.core.errors import GeometryError
@@ -20,9 +18,16 @@ from toothspace.core.types import Array, BoolArray, IntArray
 
 
 def flexibility(
-    stiffness: sp.csr_matrix, nodes: Array, loads: sp.csc_matrix, fixed: IntArray
+    stiffness: scipy.sparse.csr_matrix,
+    nodes: Array,
+    loads: scipy.sparse.csc_matrix,
+    fixed: IntArray,
 ) -> Array:
     r"""Work of every load on the displacement by every other, :math:`F^T K^{-1} F`.
+
+    Flexibility, symmetric positive semidefinite, shape (m, m). [N m]
+
+    Raises GeometryError if the body is not held or falls apart.
 
     Parameters
     ----------
@@ -35,16 +40,6 @@ def flexibility(
     fixed : ndarray of int
         Unknowns that are held. [-]
 
-    Returns
-    -------
-    ndarray, shape (m, m)
-        Flexibility, symmetric positive semidefinite. [N m]
-
-    Raises
-    ------
-    GeometryError
-        If the body is not held or falls apart.
-
     References
     ----------
     .. [1] I. S. Duff, J. K. Reid, The multifrontal solution of indefinite sparse symmetric
@@ -54,7 +49,8 @@ def flexibility(
     blocks = stiffness.tobsr(blocksize=(3, 3))
     blocks.sort_indices()
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
-    graph = sp.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    graph = scipy.sparse.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    # parts that share no unknown are eliminated apart, so fronts stay small
     parts = _planned(dissect(nodes, graph), graph, rows)
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
@@ -62,6 +58,7 @@ def flexibility(
     spent = np.cumsum([sum(part.sizes) ** 2 * part.sizes[0] for part in parts], dtype=float)
     for part, cost in zip(parts, spent, strict=True):
         report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
+        # own entries, then what the children left; their memory is a stack, the last one on top
         front = work.front(part)
         _assemble(part, (stiffness, rows), place, front)
         for child in reversed(part.children):
@@ -76,8 +73,8 @@ def flexibility(
 
 
 def _held(
-    stiffness: sp.csr_matrix, loads: sp.csr_matrix, fixed: IntArray
-) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    stiffness: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix, fixed: IntArray
+) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
     """Decouple held unknowns and drop their loads."""
     if not fixed.size:
         return stiffness, loads
@@ -89,7 +86,7 @@ def _held(
     # the diagonal stays, and with it the pattern of 3 x 3 blocks
     own = (rows == held.indices) & (keep[rows] == 0.0)
     held.data[own] = stiffness.data[own]
-    return held, (sp.diags(keep) @ loads).tocsr()
+    return held, (scipy.sparse.diags(keep) @ loads).tocsr()
 
 
 class _EliminationPart(NamedTuple):
@@ -106,7 +103,7 @@ class _EliminationPart(NamedTuple):
 
 
 def _planned(
-    tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix
+    tree: list[Separator], graph: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix
 ) -> list[_EliminationPart]:
     """What every front holds."""
     parts: list[_EliminationPart] = []
@@ -202,7 +199,7 @@ def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Arr
 
 def _assemble(
     part: _EliminationPart,
-    system: tuple[sp.csr_matrix, sp.csr_matrix],
+    system: tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix],
     place: IntArray,
     front: _Front,
 ) -> None:
@@ -272,7 +269,7 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
     count, outer, loads = part.sizes
     if not count:
         return front
-    lower, info = dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
+    lower, info = scipy.linalg.lapack.dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
     if info != 0:
         raise GeometryError(
             "elastic body",
@@ -281,13 +278,17 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
         )
     below, rest, own, passed = front[1:]
     if outer:
-        below = dtrsm(1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1)
-        rest = dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
+        below = scipy.linalg.blas.dtrsm(
+            1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1
+        )
+        rest = scipy.linalg.blas.dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
     if loads:
-        own = dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
-        total[np.ix_(part.columns, part.columns)] += dsyrk(1.0, own, lower=1)
+        own = scipy.linalg.blas.dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
+        total[np.ix_(part.columns, part.columns)] += scipy.linalg.blas.dsyrk(1.0, own, lower=1)
     if outer and loads:
-        passed = dgemm(-1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1)
+        passed = scipy.linalg.blas.dgemm(
+            -1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1
+        )
     return _Front(lower, below, rest, own, passed)
 
 
@@ -306,8 +307,10 @@ class Separator(NamedTuple):
     children: tuple[int, ...]
 
 
-def dissect(nodes: Array, graph: sp.csr_matrix) -> list[Separator]:
+def dissect(nodes: Array, graph: scipy.sparse.csr_matrix) -> list[Separator]:
     """Parts of a nested dissection in the order of elimination.
+
+    Children before parents, all parts of a child next to each other; the last is the root.
 
     Parameters
     ----------
@@ -315,11 +318,6 @@ def dissect(nodes: Array, graph: sp.csr_matrix) -> list[Separator]:
         Places; parts are cut across x, y or z, wherever fewest nodes are in the way. [m]
     graph : csr_matrix
         Pattern of the node couplings. [-]
-
-    Returns
-    -------
-    list of Separator
-        Children before parents, all parts of a child next to each other; the last is the root.
 
     References
     ----------
@@ -352,7 +350,7 @@ class _Cut(NamedTuple):
 
 
 def _halves(
-    part: IntArray, nodes: Array, graph: sp.csr_matrix, mark: BoolArray
+    part: IntArray, nodes: Array, graph: scipy.sparse.csr_matrix, mark: BoolArray
 ) -> tuple[IntArray, IntArray, IntArray] | None:
     """Two halves and the nodes of the one that touch the other; None if nothing cuts them."""
     place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))

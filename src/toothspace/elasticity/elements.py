@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
@@ -125,7 +125,7 @@ def _tetrahedra(corners: Array, law: Array) -> Array:
 
 def stiffness_matrix(
     mesh: SolidMesh, elastic_modulus: float, poisson_ratio: float
-) -> sp.csr_matrix:
+) -> scipy.sparse.csr_matrix:
     """Stiffness of a mesh; three unknowns x, y, z per node. [N/m].
 
     References
@@ -143,7 +143,7 @@ def stiffness_matrix(
         corners = mesh.nodes[mesh.elements[some]]
         matrices = _hexahedra(corners, law) if width == 8 else _tetrahedra(corners, law)
         _sum_blocks(matrices, place[some], values)
-    out = sp.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
+    out = scipy.sparse.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()
 
 

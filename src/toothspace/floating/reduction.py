@@ -26,8 +26,7 @@ from toothspace.floating.problem import (
     lateral_problem,
     numbers_of,
 )
-from toothspace.floating.stack import Stack
-from toothspace.floating.stops import leaning, stop_forces
+from toothspace.floating.stack import Stack, leaning, stop_forces
 from toothspace.floating.torque import pressure_torque
 from toothspace.model.description import MachineDescription
 from toothspace.model.floating_bearing import AxialForce, FloatingBearing, LateralBalance
@@ -98,6 +97,8 @@ def loaded_condition(
 ) -> LoadedCondition:
     """Bring chambers and films to agreement, so that tables hold what the coupled run finds.
 
+    Raises CaseError if the machine has no floating bearing.
+
     Parameters
     ----------
     description : MachineDescription
@@ -105,11 +106,6 @@ def loaded_condition(
         in one piece.
     run : callable
         Lumped solution of a changed machine at the condition.
-
-    Raises
-    ------
-    CaseError
-        If the machine has no floating bearing.
     """
     balance = balance_of(description)
     free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)

@@ -20,13 +20,12 @@ from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.units import Quantity, as_text, from_si, parse_quantity
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
+from toothspace.fmi.machine_file import DRIVES
 from toothspace.fmi.operating_tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
 from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
-from toothspace.studies.points import status_of
-from toothspace.studies.records import Record, Records, failed_count
-from toothspace.studies.study import StudyContext, StudyResult
-from toothspace.studies.tabulate import map_dataset
+from toothspace.studies.points import map_dataset, status_of
+from toothspace.studies.study import Record, Records, StudyContext, StudyResult, failed_count
 from toothspace.studies.workers import Workers
 
 if TYPE_CHECKING:
@@ -35,9 +34,6 @@ if TYPE_CHECKING:
 _PRESSURE_SHARES = (0.1, 0.4, 0.7, 1.0)
 _SPEED_SHARES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Default values over those of the operating point; friction is most curved at low speed. [-]"""
-
-DRIVES = ("speed", "torque")
-"""What moves the shaft of a unit: its speed is an input, or follows from torques and inertia."""
 
 
 def export_fmu(

@@ -8,11 +8,9 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
@@ -83,10 +81,12 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
     vertices = corners[first]
     if tolerance > 0.0:
         # the first point of every cluster, and the cluster of every point
-        pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
+        pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
         size = len(vertices)
-        graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size))
-        count, label = connected_components(graph, directed=False)
+        graph = scipy.sparse.coo_array(
+            (np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size)
+        )
+        count, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
         representative = np.full(count, size)
         np.minimum.at(representative, label, np.arange(size))
         vertices, joined = vertices[representative], label.astype(np.int64)
@@ -103,8 +103,10 @@ def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     a, b = mesh.faces[:, [0, 1]].T, mesh.faces[:, [1, 2]].T
     rows, columns = np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1]])
     size = len(mesh.vertices)
-    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size))
-    count, label = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array(
+        (np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size)
+    )
+    count, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
     if count == 1:
         return [mesh]
     owner = label[mesh.faces[:, 0]]
@@ -121,6 +123,10 @@ def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
 def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
     """Cut a closed mesh with a plane.
 
+    Closed curves, shape (n, 2). Where the surface runs parallel to the normal, the points are
+    corners of the mesh, which lie on the surface that was meshed, instead of places inside its
+    facets. [m]
+
     Parameters
     ----------
     mesh : SurfaceMesh
@@ -129,13 +135,6 @@ def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
         Rows: x and y direction of the section and its normal.
     height : float
         Distance of the plane from the origin along the normal. [m]
-
-    Returns
-    -------
-    list of ndarray
-        Closed curves, shape (n, 2). Where the surface runs parallel to the normal, the points are
-        corners of the mesh, which lie on the surface that was meshed, instead of places inside
-        its facets. [m]
     """
     local = mesh.vertices @ frame.T
     above = local[:, 2] > height
@@ -169,16 +168,13 @@ def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
 def axis_frame(axis: Array) -> Array:
     """Right-handed frame whose third row is the unit vector along an axis.
 
+    Rows x, y, normal; the frame of the file for the z axis, y and z for the x axis, z and x for the
+    y axis, shape (3, 3).
+
     Parameters
     ----------
     axis : ndarray, shape (3,)
         Direction, any length. [-]
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        Rows x, y, normal; the frame of the file for the z axis, y and z for the x axis, z and x
-        for the y axis.
     """
     normal = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
     main = int(np.argmax(np.abs(normal)))
@@ -204,16 +200,13 @@ def flat_levels(mesh: SurfaceMesh, axis: Array) -> list[float]:
 def likely_axes(mesh: SurfaceMesh) -> list[Array]:
     r"""Directions that may be the axis of a body with teeth, best first.
 
+    Unit vectors [-]: the direction that differs from the two others in the area of the surface
+    facing it, which repeated teeth make equal; then z, x and y.
+
     Parameters
     ----------
     mesh : SurfaceMesh
         One body.
-
-    Returns
-    -------
-    list of ndarray
-        Unit vectors [-]: the direction that differs from the two others in the area of the surface
-        facing it, which repeated teeth make equal; then z, x and y.
 
     Notes
     -----
@@ -355,22 +348,16 @@ class BodySection:
 def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[BodySection]:
     """Cut the bodies of a file.
 
+    One for each body that the plane meets, largest volume first.
+
+    Raises GeometryError for an unknown body or part, or a plane outside all bodies.
+
     Parameters
     ----------
     file : str
         Name of the file for error messages.
     bodies : list of SolidBody
         Bodies in any order.
-
-    Returns
-    -------
-    list of BodySection
-        One for each body that the plane meets, largest volume first.
-
-    Raises
-    ------
-    GeometryError
-        For an unknown body or part, or a plane outside all bodies.
     """
     ordered = sorted(bodies, key=lambda body: -body.mesh.volume)
     numbers = _chosen(file, ordered, request)

@@ -9,7 +9,7 @@ from typing import Any
 
 from toothspace.api import describe
 from toothspace.case import Case
-from toothspace.case.overrides import CONDITIONS
+from toothspace.case.document import CONDITIONS
 from toothspace.core.finding import status_line
 from toothspace.plotting.style import figure_to_svg, readable
 from toothspace.results.solution import Solution

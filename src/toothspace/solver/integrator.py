@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
@@ -25,7 +26,6 @@ from toothspace.numerics.ndf_types import (
     make_state,
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
-from toothspace.results.events import Event
 from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
 
 _EVENT_CAPACITY = 20_000
@@ -159,6 +159,16 @@ class Piece:
     states: Array
     events: tuple[Event, ...]
     stopped: bool = False
+
+    @classmethod
+    def joined(cls, pieces: Sequence[Piece]) -> Piece:
+        """One piece of several that follow each other, with the status of the last."""
+        return cls(
+            pieces[-1].status,
+            np.concatenate([piece.times for piece in pieces]),
+            np.concatenate([piece.states for piece in pieces]),
+            tuple(event for piece in pieces for event in piece.events),
+        )
 
 
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:

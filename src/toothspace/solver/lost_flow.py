@@ -16,18 +16,117 @@ third is what they keep or give back by compression, and by free gas and vapour.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from typing import final
+
 import numpy as np
 
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
-from toothspace.model.path_category import LEAKAGES
-from toothspace.results.lost_flow import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
-from toothspace.solver.compiled_model import Observation
+from toothspace.model.description import MachineDescription
+from toothspace.model.path_category import LEAKAGES, PathRole
+from toothspace.numerics.periodic_table import PeriodicTable
+from toothspace.results.performance import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
+from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History
-from toothspace.solver.look import Look
+
+SEEN = 4
+"""Every so many of the dense states of a revolution are evaluated."""
+_TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
+"""Roles of the paths through which a chamber that is sealed from both ports still flows."""
+
+_PORTS: tuple[PathRole, ...] = (
+    "inlet_port",
+    "outlet_port",
+    "drain",
+    "inlet_groove",
+    "outlet_groove",
+)
+"""Roles of openings in the order of the dimension ``port``."""
+
+
+@final
+@dataclass(frozen=True)
+class Look:
+    """States of a revolution and everything seen there."""
+
+    history: History
+    """Its samples are the states looked at."""
+    seen: Observation
+    """Pressures, flows and forces there."""
+    openings: Array
+    """Areas by which chambers are open to ports and grooves. [m2]"""
+    trapped: BoolArray
+    """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
+
+    def at(self, rows: IntArray, history: History) -> Look:
+        """Part of it that a history with fewer samples has."""
+        part = {name: values[rows] for name, values in self.seen._asdict().items()}
+        seen = self.seen._replace(**part)
+        return Look(history, seen, self.openings[rows], self.trapped[rows])
+
+    def trapped_losses(self) -> dict[str, float]:
+        """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
+        lost = np.where(self.trapped, self.seen.path_loss, 0.0)
+        power = np.trapezoid(lost, self.history.times, axis=0)
+        account = self.history.system.arrays.path_index[:, col.CATEGORY]
+        return {
+            category.account: float(power[account == k].sum())
+            for k, category in enumerate(self.history.system.categories)
+            if category.role in _TRAPPED
+        }
+
+
+def look_at(history: History) -> Look:
+    """Look at the samples of a history."""
+    system = history.system
+    seen = observe(system.arrays, history.states)
+    opened = openings(system.description, history.states[:, 0])
+    # flows of trapped fluid: through paths inside the mesh at chambers closed to both ports
+    size = system.arrays.size
+    sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
+    sealed[:, : size.chambers] = opened[..., :2].max(axis=2) <= 0.0
+    roles = np.array([category.role in _TRAPPED for category in system.categories])
+    inside = roles[system.arrays.path_index[:, col.CATEGORY]]
+    first = sealed[:, system.arrays.path_index[:, col.NODE_A]]
+    second = np.take_along_axis(sealed, seen.path_partner, axis=1)
+    trapped = np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
+    return Look(history, seen, opened, trapped)
+
+
+def looks_at(history: History) -> tuple[Look, Look]:
+    """Look at the samples of a revolution, and at close states of it whatever its samples are."""
+    dense = history.dense
+    if dense is None or dense.times.size <= SEEN:
+        samples = look_at(history)
+        return samples, samples
+    close = look_at(
+        replace(history, times=dense.times[::SEEN], states=dense.states[::SEEN], dense=None)
+    )
+    rows = np.searchsorted(close.history.times, history.times)
+    rows = np.minimum(rows, close.history.times.size - 1)
+    if np.array_equal(close.history.times[rows], history.times):
+        return close.at(rows, history), close
+    return look_at(history), close
+
+
+def openings(description: MachineDescription, shaft_angle: Array) -> Array:
+    """Areas by which every chamber is open to each port and groove, over the angle. [m2]."""
+    area = np.zeros((shaft_angle.size, description.chamber_count, len(_PORTS)))
+    for path in description.paths:
+        if path.kind != "orifice" or path.category.role not in _PORTS:
+            continue
+        angles = path.phases + path.angle_ratio * shaft_angle[:, None]
+        table = path.geometry
+        areas = PeriodicTable(table.period, table.values[:, :1], table.slopes[:, :1])
+        open_area = path.multiplicity * areas(angles)[..., 0]
+        port = _PORTS.index(path.category.role)
+        area[:, path.nodes_a, port] += np.maximum(open_area, 0.0)
+    return area
+
 
 _MOST_VOID = 0.999
 
@@ -35,10 +134,7 @@ _MOST_VOID = 0.999
 def shares(look: Look) -> Array:
     """Share of the way from the low to the high side at which every node stands. [-].
 
-    Returns
-    -------
-    ndarray, shape (samples, nodes)
-        1 at the working port, outlet of a pump and inlet of a motor.
+    1 at the working port, outlet of a pump and inlet of a motor, shape (samples, nodes).
     """
     system, seen = look.history.system, look.seen
     description, chambers = system.description, system.arrays.size.chambers
@@ -121,7 +217,14 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
                 parts[name + category.name] = scale * float(masses[k])
     liquid, gas = _kept_masses(system, seen, share, density)
     parts[COMPRESSION], parts[GAS] = scale * liquid, scale * gas
-    parts[PORT_VOLUMES] = scale * _kept_at_port(history)
+    # mass that volumes and lines on the working side took up. [kg]
+    size, description = system.arrays.size, system.description
+    away = description.outlet_node if description.mode == "motor" else description.inlet_node
+    places = system.arrays.dynamic_index[size.chambers :]
+    nodes = np.arange(size.chambers, size.chambers + places.size)
+    held = places[(places >= 0) & (nodes != away)]
+    masses = history.states[:, size.mass : size.gas]
+    parts[PORT_VOLUMES] = scale * float((masses[-1, held] - masses[0, held]).sum())
     parts[EXCHANGE] = lost - sum(parts.values())
     return parts
 
@@ -152,15 +255,3 @@ def _kept_masses(
     mean = 0.5 * (share[1:, inside] + share[:-1, inside])
     of_gas = float(np.sum(mean * np.diff(missing, axis=0)))
     return float(np.sum(mean * np.diff(mass, axis=0))) - of_gas, of_gas
-
-
-def _kept_at_port(history: History) -> float:
-    """Mass that volumes and lines on the working side took up. [kg]."""
-    system, size = history.system, history.system.arrays.size
-    description = system.description
-    away = description.outlet_node if description.mode == "motor" else description.inlet_node
-    places = system.arrays.dynamic_index[size.chambers :]
-    nodes = np.arange(size.chambers, size.chambers + places.size)
-    held = places[(places >= 0) & (nodes != away)]
-    masses = history.states[:, size.mass : size.gas]
-    return float((masses[-1, held] - masses[0, held]).sum())

@@ -20,6 +20,7 @@ from toothspace.core.keys import (
     KeyTable,
     Number,
     Table,
+    again,
     choice,
     file_path,
     forbid,
@@ -36,15 +37,15 @@ from toothspace.core.types import Array
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.floating.coupling import CoupledPoint
 from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
-from toothspace.model.floating_bearing import HousingContact
+from toothspace.model.floating_bearing import FRICTION_LAWS, STICK, HousingContact
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
-from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import (
     BLUE,
     CYCLE,
     GREY,
     INK,
     ORANGE,
+    StudyFigure,
     contour_lines,
     new_figure,
     styled,
@@ -60,17 +61,19 @@ from toothspace.studies.bearing_points import (
     point_key,
     prepare,
 )
-from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     collected,
+    columns,
+    map_dataset,
     operating_point_of,
     operating_values,
     point,
+    point_lists,
     status_of,
 )
 from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, map_dataset, point_lists
+from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -138,7 +141,7 @@ class BearingPathStudy(KeyTable):
     breakaway_speed: float = quantity(
         "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=6.45e-3
     )
-    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    friction_law: str = choice("Set-valued, or smooth.", *FRICTION_LAWS, default=STICK)
     coupling_rounds: int = integer(
         "Most runs of the chambers per point until they agree with the films; 1: as described.",
         low=1,
@@ -268,28 +271,11 @@ class HysteresisStudy(KeyTable):
     outlet_pressures: tuple[float, ...] = items(PRESSURE, "Outlet pressures in their order.")
     start_gap: float = quantity("um", "Gap that the first point starts from.", above=0, high=100)
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
-    breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
-    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
-    coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they agree with the films; 1: as described.",
-        low=1,
-        high=20,
-        default=1,
-    )
-    measured: Path | None = file_path(
-        "Rows of operating_point.outlet_pressure and relative_position_um in the order of the "
-        "measurement, to lay over the loop.",
-        ".csv",
-        default=None,
-    )
-    sensor_deflection: float | None = quantity(
-        "um/bar",
-        "Travel of the sensor away from the gears over the outlet pressure, added to measured "
-        "positions.",
-        low=-10,
-        high=10,
-        default=None,
-    )
+    breakaway_speed: float = again(BearingPathStudy, "breakaway_speed")
+    friction_law: str = again(BearingPathStudy, "friction_law", STICK)
+    coupling_rounds: int = again(BearingPathStudy, "coupling_rounds", 1)
+    measured: Path | None = again(BearingPathStudy, "measured", None)
+    sensor_deflection: float | None = again(BearingPathStudy, "sensor_deflection", None)
 
     def __post_init__(self) -> None:
         if self.measured is None:
@@ -317,20 +303,13 @@ class NosePressureStudy(KeyTable):
         Table(spec=NoseCondition), "Operating conditions."
     )
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1, default=0.02)
-    breakaway_speed: float = quantity(
-        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=1.6e-3
-    )
-    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    breakaway_speed: float = again(BearingPathStudy, "breakaway_speed", 1.6e-3)
+    friction_law: str = again(BearingPathStudy, "friction_law", STICK)
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
 
-    coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they agree with the films; 1: as described.",
-        low=1,
-        high=20,
-        default=1,
-    )
+    coupling_rounds: int = again(BearingPathStudy, "coupling_rounds", 1)
 
     def __post_init__(self) -> None:
         _ = self.path  # which refuses a name that is given twice
@@ -356,12 +335,7 @@ class BearingMapStudy(KeyTable):
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
-    coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they agree with the films; 1: as described.",
-        low=1,
-        high=20,
-        default=6,
-    )
+    coupling_rounds: int = again(BearingPathStudy, "coupling_rounds", 6)
 
     @property
     def path(self) -> BearingPathStudy:
@@ -420,10 +394,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 def asked_path(case: Case) -> BearingPathStudy:
     """Path of the study of a case, under any of its names.
 
-    Raises
-    ------
-    CaseError
-        If the case has another study.
+    Raises CaseError if the case has another study.
     """
     asked = getattr(case.study, "path", case.study)
     if not isinstance(asked, BearingPathStudy):
@@ -435,22 +406,17 @@ def asked_path(case: Case) -> BearingPathStudy:
 def solve_path(case: Case, context: StudyContext | None = None) -> LateralStudy:
     """Solve every point of ``[study]``, from the point before it or from the start gap.
 
+    Points in their order; conditions one after another, nose pressures rising within each.
+
+    Raises CaseError if the case has another study, no operating point, no floating bearing or no
+    nose.
+
     Parameters
     ----------
     case : Case
         Case with a path of a floating bearing and an operating point.
     context : StudyContext, optional
         Progress, and records of points that are finished.
-
-    Returns
-    -------
-    LateralStudy
-        Points in their order; conditions one after another, nose pressures rising within each.
-
-    Raises
-    ------
-    CaseError
-        If the case has another study, no operating point, no floating bearing or no nose.
 
     References
     ----------
@@ -509,16 +475,13 @@ def _map(case: Case, study: BearingPathStudy, context: StudyContext) -> StudyRes
 def read_positions(path: Path) -> tuple[Array, Array]:
     """Measured outlet pressures [Pa] and relative positions [m] in the order of their rows.
 
+    Raises CaseError if the file has other columns.
+
     Parameters
     ----------
     path : Path
         CSV file with the columns ``operating_point.outlet_pressure`` and
         ``relative_position_um``.
-
-    Raises
-    ------
-    CaseError
-        If the file has other columns.
     """
     found = read_measured(path)
     if found.times is not None or set(found.channels) != {_POSITION}:
@@ -587,18 +550,15 @@ _SPAN, _SAMPLES = 6.0, 481
 def friction_curves(contact: HousingContact, breakaway_force: float) -> xr.Dataset:
     """Smooth friction law over velocity, with other coefficients and other breakaway speeds.
 
+    Force [N] over ``friction_curve`` and ``bearing_velocity_mm_per_s``, and what the curves stand
+    for; empty for a bearing without friction.
+
     Parameters
     ----------
     contact : HousingContact
         Coefficient and breakaway speed of the study.
     breakaway_force : float
         Breakaway force at the point with the largest one. [N]
-
-    Returns
-    -------
-    xarray.Dataset
-        Force [N] over ``friction_curve`` and ``bearing_velocity_mm_per_s``, and what the curves
-        stand for; empty for a bearing without friction.
 
     References
     ----------
@@ -614,7 +574,7 @@ def friction_curves(contact: HousingContact, breakaway_force: float) -> xr.Datas
     velocity = np.linspace(-1.0, 1.0, _SAMPLES) * _SPAN * speed
     factors = [(f, 1.0) for f in COEFFICIENT_FACTORS]
     factors += [(1.0, f) for f in BREAKAWAY_SPEED_FACTORS]
-    laws = [HousingFriction(coulomb * a, speed * b, holds=False) for a, b in factors]
+    laws = [HousingFriction(coulomb * a, speed * b, law="stribeck") for a, b in factors]
     forces = [[law.force(float(v))[0] for v in velocity] for law in laws]
     varied = ["friction_coefficient"] * len(COEFFICIENT_FACTORS)
     varied += ["breakaway_speed"] * len(BREAKAWAY_SPEED_FACTORS)
@@ -713,7 +673,15 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
     if "balance_ratio" in data.dims:
         return balance_sweep.figures(data)
     if "shaft_speed" in data.dims:
-        return _map_figures(data)
+        found = all(name in data for name, _, _ in _MAPS)
+        if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
+            return []
+        caption = (
+            "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are "
+            "the computed points, crosses those without equilibrium. Few asperities should touch "
+            "where the pump runs."
+        )
+        return [StudyFigure("bearing_map", caption, film_contours(data))]
     if float(np.ptp(data["nose_pressure_bar"].values)) > 0.0:
         caption = (
             "Position of the bearing over the nose pressure, one line per condition. Crosses: "
@@ -844,19 +812,6 @@ def nose_lines(data: xr.Dataset) -> Figure:
     return figure
 
 
-def _map_figures(data: xr.Dataset) -> list[StudyFigure]:
-    """Return maps of the films over shaft speed and outlet pressure."""
-    found = all(name in data for name, _, _ in _MAPS)
-    if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
-        return []
-    caption = (
-        "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are the "
-        "computed points, crosses those without equilibrium. Few asperities should touch where the "
-        "pump runs."
-    )
-    return [StudyFigure("bearing_map", caption, film_contours(data))]
-
-
 @styled
 def film_contours(data: xr.Dataset) -> Figure:
     """Smallest film, asperity load, wear, position, leakage and torque over speed and pressure."""
@@ -887,19 +842,15 @@ def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
     low, high = float(values.min()), float(values.max())
     scale: Normalize
     if low > 0.0 and high > _WIDE * low:
-        levels, scale = _one_two_five(low, high), LogNorm(low, high)
+        # 1, 2 and 5 times powers of ten, closer levels in a narrow range
+        steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+        decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+        every = np.outer(decades, steps).ravel()
+        levels, scale = every[(every >= low / _NEXT) & (every <= high * _NEXT)], LogNorm(low, high)
     else:
         levels = np.asarray(MaxNLocator(_LEVELS, min_n_ticks=4).tick_values(low, high))
         scale = Normalize(levels[0], levels[-1])
     contour_lines(axes, grid, levels, cmap=colours, norm=scale)
-
-
-def _one_two_five(low: float, high: float) -> Array:
-    """Levels 1, 2 and 5 times powers of ten round a range, closer ones in a narrow range."""
-    steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    every = np.outer(decades, steps).ravel()
-    return every[(every >= low / _NEXT) & (every <= high * _NEXT)]
 
 
 STUDY = Study(BearingPathStudy, run, figures)

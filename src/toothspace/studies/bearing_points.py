@@ -35,15 +35,13 @@ from toothspace.floating.problem import (
     film_places,
 )
 from toothspace.model.description import MachineDescription
-from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.model.floating_bearing import STICK, HousingContact, LateralBalance
 from toothspace.results.solution import Solution
-from toothspace.results.summary_names import unit_of
-from toothspace.results.variables import variable
+from toothspace.results.variables import unit_of, variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
 from toothspace.run.run import Run
 from toothspace.studies.points import operating_point_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Record, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -397,7 +395,7 @@ def prepare(case: Case, friction: HousingContact | None) -> LateralPoints:
     floating = replace(balance.floating, housing=friction)
     machine = replace(run.machine, lateral_balance=replace(balance, floating=floating))
     settings = lateral_settings(case)
-    if friction.law == "stribeck":
+    if friction.law != STICK:
         settings = replace(settings, dwell=_CREEP_TIME)
     return LateralPoints(case, replace(run, machine=machine), settings)
 
@@ -411,15 +409,12 @@ def follow(
 ) -> tuple[StoredPoint, ...]:
     """Solve points one after another, each from the equilibrium of the one before or anew.
 
+    After an interrupt by the user those that are finished.
+
     Parameters
     ----------
     start_gap : float
         Gap that the first one starts from, and every one that begins anew. [m]
-
-    Returns
-    -------
-    tuple of StoredPoint
-        After an interrupt by the user those that are finished.
     """
     found: list[StoredPoint] = []
     now: Array | float = start_gap

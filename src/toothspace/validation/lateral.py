@@ -20,9 +20,9 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     holds,
+    shipped,
     within,
 )
-from toothspace.validation.resources import shipped
 
 SOURCE = ValidationSource(
     "lateral_gap_friction",

@@ -173,7 +173,7 @@ def test_the_cache_follows_content_not_place_or_time(tmp_path: Path) -> None:
 
 def test_an_entry_depends_on_modules_that_are_imported_as_such() -> None:
     """The columns of the arrays, which kernels read as ``col.PRESSURE``, are constants in it."""
-    assert "model.arrays" in with_imports({"model.walls"})
+    assert "model.arrays" in with_imports({"model.chambers"})
 
 
 def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:

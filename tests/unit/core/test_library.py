@@ -17,7 +17,7 @@ from native.signatures import ArrayType, Scalar, TupleType, parsed, read_entries
 from toothspace.core.compilation import library
 from toothspace.core.compilation.entry import Entry
 from toothspace.core.compilation.library import Way, chosen
-from toothspace.model.walls import wall_volume
+from toothspace.model.chambers import wall_volume
 from toothspace.numerics.structured_grid import CellBalance
 from toothspace.numerics.vectors import norm
 
@@ -57,7 +57,7 @@ for path, overrides in json.loads(sys.argv[2]):
         found[path] = {k: v for k, v in api.solve_film(case).items()
                        if k != "wall_time_s"}
     else:
-        data = api.simulate(case).dataset
+        data = api.simulate(case).data
         found[path] = {n: hashlib.sha256(v.values.tobytes()).hexdigest()
                        for n, v in sorted(data.variables.items()) if v.dtype.kind == "f"}
 print(json.dumps(found))

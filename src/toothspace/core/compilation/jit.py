@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Callable
 from multiprocessing import parent_process
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -60,7 +61,8 @@ else:
 
     def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""
-        return numba.njit(function, cache=True, **options)
+        kept = Path(function.__code__.co_filename).is_file()
+        return numba.njit(function, cache=kept, **options)
 
     register_formula = register_jitable
 

@@ -12,7 +12,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[2]
 """Folder of the package."""
 
-_LOADING = {f"core.compilation.{name}" for name in ("cache", "entry", "library", "notice")}
+_LOADING = {f"core.compilation.{name}" for name in ("cache", "entry", "jit", "library", "notice")}
 """Modules that find compiled code and are no part of it."""
 
 _IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)

@@ -21,7 +21,6 @@ from toothspace.films.reynolds.equation import (
     film_balance,
 )
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.linearised import solved_responses
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, mean_gap
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.complementarity import (
@@ -31,7 +30,7 @@ from toothspace.numerics.complementarity import (
     residual,
     solve_complementarity,
 )
-from toothspace.numerics.linear_system import PRESCRIBED, TIGHT
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED, TIGHT
 from toothspace.numerics.structured_grid import CellBalance
 
 FLUID_PASSES = 120
@@ -194,6 +193,10 @@ def solve_state(
 ) -> FilmState:
     """Pressure and film fraction; the density is iterated with the pressure.
 
+    Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
+
+    Raises CaseError if the film had other cells one time step ago.
+
     Parameters
     ----------
     film : FilmProblem
@@ -202,16 +205,6 @@ def solve_state(
         Kinds of the cells to begin with, as of a former solution.
     history : FilmHistory, optional
         What the film held one time step ago; without, the film follows the motion without delay.
-
-    Returns
-    -------
-    FilmState
-        Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
-
-    Raises
-    ------
-    CaseError
-        If the film had other cells one time step ago.
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
     grid, floor = fluid.reduced_grid(film.grid), fluid.reduced_of(lowest)
@@ -270,3 +263,26 @@ def _solve(
         if fields.converged:
             return fields
     return solve_complementarity(balance, constraint)
+
+
+def solved_responses(
+    fields: ComplementaritySolution, flows: Sequence[Array], relative_tolerance: float
+) -> list[Array]:
+    """Change of a solved pressure with flows added to its balance: sides of one solution. [Pa].
+
+    Parameters
+    ----------
+    fields
+        Solution of the balance.
+    flows : sequence of ndarray
+        Net flow out of every cell by each. [m3/s]
+    relative_tolerance : float
+        Residual of the linear solution over its right-hand side. [-]
+    """
+    known = fields.kind == PRESCRIBED
+    sides = np.empty((len(flows), known.size))
+    for side, flow in zip(sides, flows, strict=True):
+        side[:] = np.where(known, 0.0, -flow).ravel()
+    found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
+    held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
+    return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]

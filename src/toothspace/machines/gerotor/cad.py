@@ -1,4 +1,4 @@
-"""First case file of a gerotor pump from the rotors found in its CAD files."""
+"""Rotor sections of a machine as CAD or text files, and a first case of rotors in such files."""
 
 from __future__ import annotations
 
@@ -7,11 +7,18 @@ from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 
+import numpy as np
+
 from toothspace.core.errors import GeometryError
 from toothspace.core.files import named_beside
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import SectionRequest
+from toothspace.geometry.cad_export import Section, export_section
 from toothspace.geometry.cad_import import STEP_SUFFIXES
+from toothspace.geometry.curve import polar
+from toothspace.machines.gerotor.contact_table import export_contacts, lobe_contacts
+from toothspace.machines.gerotor.parameters import GerotorParameters
+from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.rotor_files import (
     DrawnRotor,
     drawn_eccentricity,
@@ -20,8 +27,44 @@ from toothspace.machines.gerotor.rotor_files import (
 )
 from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 
+_CIRCLE_POINTS = 360
 _RIM = 1.2
 """Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
+
+
+def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Path]:
+    """Write the sections of both rotors, with their clearance, as in the machine.
+
+    Files written.
+
+    Raises GeometryError if the rotors cannot be built or the format needs a package that is
+    missing.
+
+    Parameters
+    ----------
+    stem : Path
+        Folder and begin of the file names; ``_inner`` and ``_outer`` follow.
+    suffix : str
+        ``txt`` (the toothed curves alone, and ``_contacts`` with the table of lobe contacts),
+        ``dxf``, ``stl`` or ``step``.
+    """
+    rotors = rotors_from(spec.rotors)
+    turns = 2.0 * np.pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
+    shaft, rim = spec.rotors.shaft_diameter, spec.housing.outer_rotor_diameter
+    inner, outer = Section(rotors.inner), Section(rotors.outer)
+    if suffix != "txt":
+        bore = () if shaft is None else (polar(0.5 * shaft, turns),)
+        inner = Section(rotors.inner, bore)
+        outer = Section(polar(0.5 * rim, turns), (rotors.outer,))
+    paths = []
+    for name, section in (("inner", inner), ("outer", outer)):
+        path = stem.with_name(f"{stem.name}_{name}.{suffix}")
+        export_section(section, path, spec.rotors.face_width)
+        paths.append(path)
+    if suffix == "txt":
+        paths.append(stem.with_name(f"{stem.name}_contacts.txt"))
+        export_contacts(paths[-1], lobe_contacts(rotors))
+    return paths
 
 
 def draft_case(
@@ -31,10 +74,7 @@ def draft_case(
 
     Arguments are those of :func:`toothspace.api.draft_case`.
 
-    Returns
-    -------
-    CaseDraft or None
-        What was measured, and what is assumed because files do not hold it; None without rotors.
+    What was measured, and what is assumed because files do not hold it; None without rotors.
     """
     for inner_file, outer_file in product(files, repeat=2):
         try:

@@ -8,8 +8,7 @@ import numpy as np
 
 from toothspace.geometry.cad_export import Section, export_gear, export_section
 from toothspace.geometry.curve import polar
-from toothspace.machines.crescent.assembly import assemble
-from toothspace.machines.crescent.filler import filler_outline
+from toothspace.machines.crescent.assembly import assemble, filler_outline
 from toothspace.machines.crescent.parameters import CrescentParameters
 
 _CIRCLE_POINTS = 720
@@ -18,17 +17,14 @@ _CIRCLE_POINTS = 720
 def export_profiles(spec: CrescentParameters, stem: Path, suffix: str) -> list[Path]:
     """Write the sections of both gears and of the filler; returns their paths.
 
+    Raises GeometryError if a gear cannot be built or the format needs a package that is missing.
+
     Parameters
     ----------
     stem : Path
         Folder and begin of the file names; ``_pinion``, ``_ring`` and ``_filler`` follow.
     suffix : str
         ``txt``, ``dxf``, ``stl`` or ``step``.
-
-    Raises
-    ------
-    GeometryError
-        If a gear cannot be built or the format needs a package that is missing.
     """
     assembly, width = assemble(spec), spec.pinion.face_width
     names = ("pinion", "ring", "filler")

@@ -1,4 +1,4 @@
-"""First case file of a pump from the gears, casing and bearing block found in its CAD files."""
+"""Gear sections of a machine as CAD or text files, and a first case of gears in such files."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from toothspace.core.files import named_beside
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import AXES, SectionRequest
+from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import STEP_SUFFIXES, load_body_sections
 from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_finder import (
@@ -27,12 +28,14 @@ from toothspace.geometry.gear_finder import (
     find_in_files,
 )
 from toothspace.geometry.gear_pair import normal_play
+from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.pump_sections import (
     MachineFrame,
     casing_cavity,
     face_recesses,
     machine_frame,
 )
+from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 
 _CLEARANCES = (1e-6, 300e-6)
@@ -41,6 +44,31 @@ _SHARE_OF_ROOT = 0.6
 """Journal diameter over root diameter, where no bearing is found. [-]"""
 _BACKLASH = 0.04
 """Normal backlash of gears without a partner, in modules. [-]"""
+
+
+def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Path]:
+    """Write the sections of both gears, or of one if they are equal; returns their paths.
+
+    Raises GeometryError if a tooth cannot be built or the format needs a package that is missing.
+
+    Parameters
+    ----------
+    stem : Path
+        Folder and begin of the file names; ``_drive`` and ``_driven`` follow.
+    suffix : str
+        ``txt``, ``dxf``, ``stl`` or ``step``.
+    """
+    gears = {"drive": spec.drive}
+    if spec.driven is not spec.drive:
+        gears["driven"] = spec.driven
+    paths = []
+    for name, gear in gears.items():
+        path = stem.with_name(f"{stem.name}_{name}.{suffix}")
+        tooth = gear.tooth
+        profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
+        export_gear(profile, path, gear.face_width)
+        paths.append(path)
+    return paths
 
 
 @final
@@ -69,10 +97,7 @@ def draft_case(
 
     Arguments are those of :func:`toothspace.api.draft_case`.
 
-    Returns
-    -------
-    CaseDraft or None
-        What was measured, and what is assumed because files do not hold it; None without gears.
+    What was measured, and what is assumed because files do not hold it; None without gears.
     """
     scale = to_si(1.0, unit)
     try:
