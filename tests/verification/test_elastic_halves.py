@@ -285,7 +285,7 @@ def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
     """58 bar: every half rests on its films, and nothing is left of the loads on it.
 
     Pressures of either gear tip its half about the line that joins the gears, one against the
-    other: a bearing in one piece cannot follow and rides higher, over the same gap behind the gears.
+    other: a bearing in one piece cannot follow and rides higher. Behind the gears gaps are alike.
     """
     found = {split: _fuel_pump(split) for split in ("false", "true")}
     gaps = {}
