@@ -117,6 +117,7 @@ def march_revolutions(
                 break
             done = k + 1
             tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
+            # a revolution that was begun elsewhere says nothing about the one before
             if previous is not None and not (search and search.moved):
                 every = grid.dense[::_COMPARED]
                 changes.append(_difference(system, previous.states[every], piece.states[every]))
@@ -129,6 +130,7 @@ def march_revolutions(
             if _stalled(changes):
                 status = Status.NOT_REPEATING
                 break
+            # beginning elsewhere costs steps at first order: only where closing takes long
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
             free = search.closes(piece) if search.moved else _soon_alike(changes)
@@ -181,6 +183,7 @@ class _PeriodicSearch:
     """
 
     def __init__(self, system: System, piece: Piece) -> None:
+        # mixing weighs all parts of the state together: each in units of what a machine notices
         size, state = system.arrays.size, piece.states[-1]
         self._system, self._part = system, slice(size.mass, size.load)
         scale = np.ones_like(state)
@@ -243,10 +246,7 @@ def successors(description: MachineDescription) -> IntArray:
     A chamber family may come back onto itself in one shaft revolution with its chambers
     exchanged, as the pockets of a rotor that turns more slowly than the shaft.
 
-    Returns
-    -------
-    ndarray of int
-        Number of that chamber; the chamber itself where none stood there.
+    Number of that chamber; the chamber itself where none stood there.
     """
     places, first = np.arange(description.chamber_count), 0
     for family in description.families:
