@@ -41,7 +41,7 @@ def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path:
     assert leakage == pytest.approx(wanted["lateral_leakage_L_per_min"], rel=within)
     torque = _faces(found)
     assert torque == pytest.approx(wanted["lateral_torque_N_m"], rel=within)
-    # at two thirds of the speed thinner films and asperities leave more than two thirds of the torque
+    # at two thirds of the speed thinner films and asperities leave more than two thirds of it
     slower = replace(case.operating_point, shaft_speed=case.operating_point.shaft_speed / 1.5)
     runs = [
         api.simulate(replace(case, operating_point=slower, run=replace(plain, **changes)))

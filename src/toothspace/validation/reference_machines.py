@@ -438,8 +438,8 @@ CLAIMS = (
         _map,
         1.5,
         reason=(
-            "The best point, 1500 rpm and 250 bar, exceeds the product of both ranges by 0.0006: films "
-            "of 1.5 um leak next to nothing, and the area that costs more rubs at low pressure."
+            "The best point, 1500 rpm and 250 bar, exceeds the product of both ranges by 0.0006: "
+            "films of 1.5 um leak next to nothing, and more area would rub at low pressure."
         ),
     ),
     Claim(
@@ -477,8 +477,8 @@ CLAIMS = (
         _fuel_flow,
         0.1,
         reason=(
-            "Gears that cut in seal their own tips, and faces at 3 um leak 0.2 of 344 L/min. Grooves "
-            "with which it holds need another balance of the floating bearing "
+            "Gears that cut in seal their own tips, and faces at 3 um leak 0.2 of 344 L/min. "
+            "Grooves with which it holds need another balance of the floating bearing "
             "(docs/validation/reference_machines.md)."
         ),
     ),
@@ -490,9 +490,9 @@ CLAIMS = (
         _fuel_vapour,
         0.1,
         reason=(
-            "The groove of the inlet begins too late for a space that grows so fast. From 0.5 mm on, "
-            "with 0.43 mm of backlash, there is no vapour; the floating bearing then needs another "
-            "balance (docs/validation/reference_machines.md)."
+            "The groove of the inlet begins too late for a space that grows so fast. From 0.5 mm "
+            "on, with 0.43 mm of backlash, there is no vapour; the floating bearing then needs "
+            "another balance (docs/validation/reference_machines.md)."
         ),
     ),
     Claim(
