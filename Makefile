@@ -34,11 +34,8 @@ demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD pr
 	@printf '%s\n' "" "Open in a browser:" "  $(CURDIR)/$(DEMO)/egm12_motor.html" \
 		"  $(CURDIR)/$(DEMO)/egm12_motor_profile.html"
 
-kernels: $(READY)  ## compile each kernel once: machines and films side by side
-	mkdir -p build
-	( $(BIN)/toothspace bearing cases/journal_bearing.toml -o build/kernels_bearing.nc --force && \
-	$(BIN)/toothspace film cases/egm12_lateral_film.toml -o build/kernels_film.nc --force ) >/dev/null & \
-	$(BIN)/toothspace run cases/egm12_motor.toml -o build/kernels_machine.nc --force >/dev/null && wait $$!
+kernels: $(READY)  ## compile all equations into the library that runs take them from
+	$(BIN)/python -m native.build
 
 test: kernels  ## run the test suite (without the slow validation runs)
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
@@ -47,20 +44,20 @@ PARTS := 13
 PART ?= $(shell echo $$(( ($$(git rev-list --count HEAD 2>/dev/null || echo 0) + $$(date +%s) / 86400) % $(PARTS) )))
 MINUTES ?= 30
 
-sample: $(READY)  ## run a thirteenth of the slow tests, another one for every commit and day
+sample: kernels  ## run a thirteenth of the slow tests, another one for every commit and day
 	@echo "make sample PART=$(PART)"
 	$(BIN)/python -m pytest -q -n $(WORKERS) -m slow --part $(PART)/$(PARTS) --minutes $(MINUTES)
 
-claims: $(READY)  ## hold a short version of every claim against published numbers
+claims: kernels  ## hold a short version of every claim against published numbers
 	mkdir -p build
 	$(BIN)/toothspace validate --short -o build/claims.html --force --workers $(WORKERS)
 
-validate: $(READY)  ## run slow tests and validation against published numbers
+validate: kernels  ## run slow tests and validation against published numbers
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m slow --deselect tests/validation/test_claims.py
 	mkdir -p build
 	$(BIN)/toothspace validate -o build/validation_book.html --force --workers $(WORKERS)
 
-bench: $(READY)  ## print the table of benchmarks, write the speed pages
+bench: kernels  ## print the table of benchmarks, write the speed pages
 	$(BIN)/python -m benchmarks
 	for part in speed goals steps scaling; do $(BIN)/python -m benchmarks.$$part --store || exit 1; done
 
@@ -83,4 +80,4 @@ format: $(READY)  ## apply the style
 	$(BIN)/ruff format .
 
 clean:  ## remove what can be rebuilt
-	rm -rf $(DEMO) build docs/_build docs/api .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(DEMO) build src/toothspace/native docs/_build docs/api .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -25,6 +25,7 @@ from numba.core import types
 from numba.extending import intrinsic
 from scipy.integrate import solve_ivp
 
+import toothspace.core.compilation.jit  # noqa: F401 records are known to Numba
 from tests.reference_formulas.full_jacobian import jacobian
 from toothspace import api
 from toothspace.core.compilation.records import RecordAddress, pack

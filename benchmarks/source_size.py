@@ -26,7 +26,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
             "gear_files", "own_teeth", "profile_quality", "solid_contours",
         )),
         "machines/*/case_draft.py", "machines/gerotor/rotor_files.py",
-        "core/optional.py", "plotting/flank_deviation.py",
+        "core/lazy.py", "plotting/geometry.py",
     ),
     "validation book": ("validation/*", "report/validation_book.py"),
     "case model: checked on every construction, written back, all errors at once": (
@@ -34,8 +34,8 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "compilation in seconds": ("core/comp*", "warmup.py", "solver/compiled_model.py"),
     "files, interrupts, warnings of results": (
-        "core/files.py", "core/netcdf.py", "core/interrupts.py", "core/array_store.py",
-        "core/processes.py", "core/memory.py", "solver/accuracy.py", "results/io.py",
+        "core/files.py", "core/netcdf.py", "core/interrupts.py", "core/files.py",
+        "core/processes.py", "core/memory.py", "solver/accuracy.py", "results/solution.py",
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
@@ -50,7 +50,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "cli/*", "report/*", "core/progress.py",
     ),
     "estimate of trapped pressure, bodies in an assembly": (
-        "advice/trapping.py", "machines/external_gear/floating/elastic_assembly.py",
+        "advice/trapping.py", "machines/external_gear/floating/balance.py",
     ),
     "mixing, roots, splines, second core": (
         *(f"numerics/{name}.py" for name in ("acceleration", "parallel", "roots", "spline")),
@@ -68,8 +68,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "floating/between_covers.py",
     ),
     "flows of paths carried in slow machines": ("model/carried_flows.py",),
-    "bearing blocks that follow their load": ("model/free_motions.py",),
-    "design rules of cross-port leakage": ("advice/short_circuit.py",),
+    "design rules of cross-port leakage": ("advice/trapping.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""

@@ -26,6 +26,7 @@ from unittest.mock import patch
 import numba
 import numpy as np
 
+import toothspace.core.compilation.jit  # noqa: F401 records are known to Numba
 from benchmarks.bench_lumped import block_of, record_at
 from toothspace import api
 from toothspace.core.compiled import njit

@@ -13,15 +13,17 @@ from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.parameter_tables import (
+from toothspace.machines.external_gear.parameters import ExternalGearParameters
+from toothspace.machines.external_gear.spec import (
     BlockGrooveParameters,
     CasingParameters,
+    ExternalGearSpec,
+    FloatingBlock,
+    Gear,
     GearParameters,
     JournalBearingParameters,
     LateralParameters,
 )
-from toothspace.machines.external_gear.parameters import ExternalGearParameters
-from toothspace.machines.external_gear.spec import ExternalGearSpec, FloatingBlock, Gear
 
 TWELVE = InvoluteGear(
     tooth_count=12,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array
 from toothspace.model.description import (
     Body,
@@ -25,7 +25,6 @@ from toothspace.model.path_category import (
     PathCategory,
 )
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
-from toothspace.results.events import Event
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from

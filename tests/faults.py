@@ -29,7 +29,7 @@ from pathlib import Path
 
 import psutil
 
-from toothspace.core.compilation.cache import cache_root
+from toothspace.core.compilation.sources import cache_root
 from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import read_dataset
 

@@ -25,16 +25,16 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from toothspace.case import Case, load_case
-from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.errors import ToothspaceError
+from toothspace.core.files import load_arrays, save_arrays
 from toothspace.core.signals import column_names, read_columns
 from toothspace.core.units import parse_quantity
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.gear_finder import find_gears
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.tooth_deviations import read_tooth_deviations
-from toothspace.model.fluid_table import fit_table
-from toothspace.results.io import load_solution
+from toothspace.model.fluid import fit_table
+from toothspace.results.solution import load_solution
 
 CASES = Path(__file__).resolve().parent.parent / "cases"
 LONGEST = 10.0

@@ -16,9 +16,10 @@ from matplotlib.figure import Figure
 from toothspace import api
 from toothspace.closures.journal_friction import PUBLISHED_CURVE
 from toothspace.films import FilmFluid, JournalBearing, LateralFilm
-from toothspace.films.plane.rigid_faces import FaceSetting, solve_faces
+from toothspace.films.plane.ring import FaceSetting, solve_faces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.plotting.style import BLUE, GREEN, INK, ORANGE, styled
+from toothspace.validation.claim import columns, data_file
 from toothspace.validation.published_films import (
     SPEED,
     bertocchi_pad,
@@ -26,7 +27,6 @@ from toothspace.validation.published_films import (
     lund_thomsen_load,
     pawar_sweep,
 )
-from toothspace.validation.resources import columns, data_file
 
 ROOT = Path(__file__).parents[2]
 

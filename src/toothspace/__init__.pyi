@@ -15,8 +15,8 @@ from .core.units import Quantity as Quantity
 from .fmi.export import export_fmu as export_fmu
 from .library import fluids as fluids
 from .report import compare as compare
-from .results.io import load_solution as load_solution
 from .results.solution import Solution as Solution
+from .results.solution import load_solution as load_solution
 from .run.run import Run as Run
 from .studies import StudyResult as StudyResult
 from .studies import run_study as run_study

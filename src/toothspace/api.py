@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import reprlib
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from numbers import Integral
@@ -19,11 +19,9 @@ from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
 from toothspace.core.progress import Progress
-from toothspace.core.registry import machine_type
+from toothspace.core.registry import machine_type, machine_type_names, optional_function
 from toothspace.core.types import Array
 from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
-from toothspace.machines import shared_designs
-from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
@@ -31,7 +29,22 @@ from toothspace.run.condition import condition_of, fluid_of, known_pressure, kno
 from toothspace.run.run import Run
 
 if TYPE_CHECKING:
+    from toothspace.geometry.body_section import SectionRequest
     from toothspace.geometry.evaluated_designs import EvaluatedDesigns
+
+__all__ = [
+    "describe",
+    "draft_case",
+    "evaluate_designs",
+    "fluid_of",
+    "load_case",
+    "prepare",
+    "simulate",
+    "simulate_all",
+    "solve_bearing",
+    "solve_film",
+]
+
 
 AnyCase = Case | str | Path | Mapping[str, Any]
 """What stands for a case: itself, its file, the name of a shipped one, or its tables."""
@@ -238,8 +251,19 @@ def evaluate_designs(
     if volume is not None and not isinstance(volume, float):
         volume = parse_quantity(str(volume), "cm^3/rev")
     given = load_case(case)
-    fixed = given.label, given.machine_type, given.machine
-    return shared_designs.evaluate_designs(*fixed, rows, addendum, volume).shaped(shape)
+    name, label = given.machine_type, given.label
+    evaluate = optional_function(name, "evaluate_designs") if name else None
+    if evaluate is None:
+        names = machine_type_names()
+        able = [repr(one) for one in names if optional_function(one, "evaluate_designs")]
+        found = repr(name) if name else "no machine"
+        raise CaseError("machine.type", found, " or ".join(able)).in_file(label)
+    inner = {path.removeprefix("machine."): row for path, row in rows.items()}
+    try:
+        evaluated: EvaluatedDesigns = evaluate(given.machine, inner, addendum, volume)
+    except CaseError as error:
+        raise error.under("machine").in_file(label) from error
+    return evaluated.shaped(shape)
 
 
 def _in_si(raw: Any) -> Array:
@@ -268,15 +292,33 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     return solve(case, case.film, describe, fields)
 
 
-__all__ = [
-    "describe",
-    "draft_case",
-    "evaluate_designs",
-    "fluid_of",
-    "load_case",
-    "prepare",
-    "simulate",
-    "simulate_all",
-    "solve_bearing",
-    "solve_film",
-]
+def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder: Path) -> str:
+    """First case file of the machine whose parts are in CAD files of one frame.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Files.
+    unit : str
+        Length unit of those that have none of their own.
+    request : SectionRequest
+        Axis and plane of the gears, None to find them.
+    folder : Path
+        Where the case file will be.
+
+    Returns
+    -------
+    str
+        TOML of the machine type that uses most of the parts, with comments on what is assumed.
+
+    Raises
+    ------
+    CaseError
+        If no machine type finds its parts.
+    """
+    makers = [optional_function(name, "draft_case") for name in machine_type_names()]
+    drafts = [make(files, unit, request, folder) for make in makers if make is not None]
+    found = [draft for draft in drafts if draft is not None]
+    if not found:
+        raise CaseError(f"{files[0]}: --case", "no machine", "gears or rotors of one")
+    return max(found, key=lambda draft: draft.parts).text

@@ -20,11 +20,14 @@ Definition = tuple[str, str]
 BODY = "<module>"
 """What a module runs when it is imported."""
 
-MACHINE_PARTS = {"parameters", "export", "case_draft", "designs"}
+MACHINE_PARTS = {"parameters", "cad", "designs"}
 """Modules of a machine type that are found by their name."""
 
-EXTENSIONS = "numba.extending"
-"""Module whose decorators tell the compiler what a function or class is for."""
+EXTENSIONS = {"numba.extending": "", "toothspace.core.compiled": "stand_in"}
+"""Modules whose decorators tell the compiler what a function or class is for; all or one."""
+
+BUILT = ("toothspace.core.compilation.records", "by_address")
+"""What the library of compiled code is built with, outside the package."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,8 @@ class Module:
 
     def _registers(self, decorator: str) -> bool:
         """Whether a decorator is one of the module itself or extends the compiler."""
-        return decorator in self.definitions or self.imports.get(decorator, ("",))[0] == EXTENSIONS
+        module, name = self.imports.get(decorator, ("", ""))
+        return decorator in self.definitions or EXTENSIONS.get(module) in {"", name}
 
 
 def _root(node: ast.expr) -> str:
@@ -225,7 +229,11 @@ def public_names(graph: CallGraph) -> Iterator[Definition]:
 def entry_points(graph: CallGraph) -> list[Definition]:
     """Command line, Python, films, bodies, machine types, studies, modules run by ``-m``."""
     found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api"), *public_names(graph)]
-    found += [*graph.public("toothspace.films.public"), *graph.public("toothspace.elasticity")]
+    found += [
+        *graph.public("toothspace.films.public"),
+        *graph.public("toothspace.elasticity"),
+        BUILT,
+    ]
     for module, own in graph.modules.items():
         parts = module.split(".")
         if module.startswith("toothspace.studies.") and "STUDY" in own.definitions:

@@ -19,7 +19,9 @@ def test_import_contracts_hold(repository: Path) -> None:
 
 def test_every_part_of_the_package_has_a_layer() -> None:
     ordered = {name for layer in layers() for name in layer}
-    parts = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or path.is_dir()}
+    parts = {
+        path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or any(path.glob("*.py"))
+    }
     unknown = parts - ordered - {"__init__", "__main__", "__pycache__"}
     assert not unknown, f"not ordered by the import contract: {sorted(unknown)}"
 

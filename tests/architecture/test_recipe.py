@@ -23,7 +23,7 @@ def _rendered(repository: Path) -> str:
         return re.search(regex_pattern, text)
 
     source = (repository / "recipe" / "meta.yaml").read_text(encoding="utf-8")
-    return Template(source).render(load_file_regex=load_file_regex, PYTHON="python")
+    return Template(source).render(load_file_regex=load_file_regex, PYTHON="python", compiler=str)
 
 
 def test_recipe_has_the_version_of_the_last_release(repository: Path) -> None:

@@ -27,7 +27,7 @@ from toothspace.core.status import Status
 from toothspace.report.html import write_report
 from toothspace.report.study import study_report_html
 from toothspace.results import variables
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 from toothspace.studies import run_study
 
 TYPE = """
@@ -141,11 +141,11 @@ from dataclasses import dataclass
 from typing import final
 
 from toothspace.core.keys import KeyTable, integer
-from toothspace.plotting.panels import StudyFigure
+from toothspace.plotting.style import StudyFigure
 from toothspace.plotting.style import new_figure
 from toothspace.studies.points import collected, operating_values, point, status_of
 from toothspace.studies.study import Study, StudyResult
-from toothspace.studies.tabulate import map_dataset, point_lists
+from toothspace.studies.points import map_dataset, point_lists
 
 
 @final
@@ -292,7 +292,7 @@ FILTER_USE = """
 import json, sys
 from toothspace.api import fluid_of
 from toothspace.case import Case
-from toothspace.case.json_schema import case_schema
+from toothspace.case.case import case_schema
 from toothspace.circuit.circuit import build_circuit
 from toothspace.circuit.elements import LAWS, element_flow
 from toothspace.circuit.history import Tables

@@ -20,8 +20,8 @@ from toothspace.geometry.gear_data import flank_warnings, gear_data
 from toothspace.geometry.gear_finder import FileContents, FoundGear, find_gears
 from toothspace.geometry.gear_pair import pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.machines.external_gear.profile_quality import _chords, _form
-from toothspace.plotting.flank_deviation import flank_deviation
+from toothspace.machines.external_gear.summary import _chords, _form
+from toothspace.plotting.geometry import flank_deviation
 from toothspace.plotting.style import save_figure
 
 WIDTH = 10e-3

@@ -14,7 +14,7 @@ from tests.crescent_designs import crescent
 from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.gearing.closest_points import (
+from toothspace.gearing.mesh_split import (
     FREE,
     Closest,
     Placement,
@@ -33,8 +33,12 @@ from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backl
 from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.machines.crescent.assembly import CrescentAssembly, assemble, involute_pair
-from toothspace.machines.crescent.filler import cover_recesses
+from toothspace.machines.crescent.assembly import (
+    CrescentAssembly,
+    assemble,
+    cover_recesses,
+    involute_pair,
+)
 from toothspace.machines.crescent.summary import overlap, tip_clearance, trimming_distance
 
 ALPHA = np.deg2rad(27.5)

@@ -12,10 +12,9 @@ import pytest
 from tests.crescent_designs import CASE, crescent
 from toothspace import api
 from toothspace.core.errors import GeometryError
-from toothspace.machines.crescent.assembly import assemble
+from toothspace.machines.crescent.assembly import assemble, filler_edges, filler_outline
+from toothspace.machines.crescent.cad import export_profiles
 from toothspace.machines.crescent.describe import describe
-from toothspace.machines.crescent.export import export_profiles
-from toothspace.machines.crescent.filler import filler_edges, filler_outline
 from toothspace.machines.crescent.flow_paths import filler_cover
 from toothspace.machines.crescent.parameters import NotchParameters
 from toothspace.machines.crescent.summary import sealed_teeth

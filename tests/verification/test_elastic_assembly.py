@@ -18,16 +18,18 @@ from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
-from toothspace.floating.body_loads import BodyLoads
-from toothspace.floating.elastic_faces import ElasticFaces
+from toothspace.floating.elastic_faces import BodyLoads, ElasticFaces
 from toothspace.floating.problem import lateral_problem
 from toothspace.floating.stack import BackPressure, Snapshot
 from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.floating.balance import lateral_balance
-from toothspace.machines.external_gear.floating.elastic_assembly import ElasticAssembly, seal_line
+from toothspace.machines.external_gear.floating.balance import (
+    ElasticAssembly,
+    lateral_balance,
+    seal_line,
+)
 from toothspace.machines.external_gear.floating.elastic_bodies import (
     BackLoads,
     MeshSize,
@@ -42,8 +44,7 @@ from toothspace.machines.external_gear.floating.floating_parameters import (
     PressureAreaParameters,
     SpringParameters,
 )
-from toothspace.machines.external_gear.gear_bodies import BODIES
-from toothspace.machines.external_gear.gear_faces import FaceOfGear
+from toothspace.machines.external_gear.gear_bodies import BODIES, FaceOfGear
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.film_faces import FILM
 from toothspace.model.floating_bearing import BodyLoad, LateralBalance

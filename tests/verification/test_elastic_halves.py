@@ -44,8 +44,7 @@ from toothspace.floating.stack import Stack
 from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.floating.balance import lateral_balance
-from toothspace.machines.external_gear.floating.elastic_assembly import ElasticAssembly
+from toothspace.machines.external_gear.floating.balance import ElasticAssembly, lateral_balance
 from toothspace.machines.external_gear.floating.elastic_bodies import MeshSize
 from toothspace.machines.external_gear.floating.floating_parameters import (
     ElasticBodiesParameters,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from toothspace import api
-from toothspace.closures.squeeze_film import squeeze_damping
+from toothspace.closures.contact_law import squeeze_damping
 from toothspace.core.types import Array
 from toothspace.films.journal.rim_film import rim_paths, sector_family
 from toothspace.films.plane.conductance import (
@@ -21,7 +21,7 @@ from toothspace.films.plane.conductance import (
 )
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceBody, FaceCells, FilmFace
-from toothspace.run.shared_covers import CoverFilms, with_shared_films
+from toothspace.run.solved_films import CoverFilms, with_shared_films
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, MIDDLE, RIM = 8e-3, 14e-3, 26e-3

@@ -14,9 +14,8 @@ from shapely import affinity
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL
 from toothspace.core.errors import GeometryError
 from toothspace.machines.gerotor.flow_paths import gap_by_motion, slip_speed
-from toothspace.machines.gerotor.lobe_path import lobe_path
 from toothspace.machines.gerotor.parameters import PortContourParameters, RotorParameters
-from toothspace.machines.gerotor.pockets import Pockets, area_by_motion, pockets
+from toothspace.machines.gerotor.pockets import Pockets, area_by_motion, lobe_path, pockets
 from toothspace.machines.gerotor.ports import kinematic_lands, openings, pocket_polygon, ports_of
 from toothspace.machines.gerotor.profiles import Rotors, rotors_from, trochoid_of
 from toothspace.machines.gerotor.summary import flow_ripple

@@ -15,9 +15,8 @@ from toothspace.core.errors import GeometryError
 from toothspace.machines.gerotor.describe import describe
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import Pockets, pockets
-from toothspace.machines.gerotor.ports import Ports, openings, ports_of
+from toothspace.machines.gerotor.ports import Ports, openings, ports_of, timing_of
 from toothspace.machines.gerotor.profiles import rotors_from
-from toothspace.machines.gerotor.timing import timing_of
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 RIM = 26e-3

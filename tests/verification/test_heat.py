@@ -6,8 +6,8 @@ import pytest
 
 import toothspace as ts
 from toothspace.case.shipped import shipped_case
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.model.fluid import library_liquid
 
 CASE = shipped_case("egm12_motor")

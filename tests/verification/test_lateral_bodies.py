@@ -24,11 +24,12 @@ from toothspace.elasticity import (
     influence,
     influence_matrix,
 )
-from toothspace.floating.body_loads import face_deflection
+from toothspace.floating.compliant_film import Accuracy
 from toothspace.floating.deformation import Fineness, film_coefficients, fitted, response
 from toothspace.floating.elastic_faces import (
     ElasticFaces,
     elastic_faces,
+    face_deflection,
 )
 from toothspace.floating.equilibrium import (
     Equilibrium,
@@ -36,7 +37,6 @@ from toothspace.floating.equilibrium import (
     find_equilibrium,
     march_angles,
 )
-from toothspace.floating.local_deformation import Accuracy
 from toothspace.floating.motion import Balance, StepSettings, state_at
 from toothspace.floating.problem import LateralProblem, lateral_problem, numbers_of
 from toothspace.floating.stack import PreviousStep, Snapshot, Stack, StackState

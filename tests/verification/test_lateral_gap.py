@@ -22,7 +22,7 @@ from tests.lateral_stack import (
 )
 from toothspace.core.types import Array
 from toothspace.films import FilmFluid, LateralFilm
-from toothspace.floating.coupled_run import hold_down_warning
+from toothspace.floating.coupling import hold_down_warning
 from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -33,8 +33,14 @@ from toothspace.floating.face_grid import FaceGrid
 from toothspace.floating.housing_friction import HousingFriction, normal_force
 from toothspace.floating.motion import StepSettings, balance_force, state_at
 from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
-from toothspace.floating.stack import BackPressure, PreviousStep, Stack, StackState
-from toothspace.floating.stops import leaning, stop_forces
+from toothspace.floating.stack import (
+    BackPressure,
+    PreviousStep,
+    Stack,
+    StackState,
+    leaning,
+    stop_forces,
+)
 from toothspace.model.film_faces import FILM, NO_BODY, FaceCells
 from toothspace.model.floating_bearing import AxialForce, HousingContact
 

@@ -15,8 +15,7 @@ from toothspace.floating.equilibrium import (
     snapshots_over_pitch,
 )
 from toothspace.floating.motion import StepSettings, state_at
-from toothspace.floating.stack import Stack
-from toothspace.floating.stops import leaning, rim_levers, stop_forces
+from toothspace.floating.stack import Stack, leaning, rim_levers, stop_forces
 
 HIGH = 50e5
 PLAY = 100e-6

@@ -15,7 +15,7 @@ from tests.iteration_matrices import jacobian_of
 from toothspace import api
 from toothspace.case import Case
 from toothspace.circuit.circuit import build_circuit
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
+from toothspace.closures.density import liquid_bulk_modulus
 from toothspace.closures.line_friction import memory_branches, memory_transform, turbulent_growth
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
@@ -24,8 +24,7 @@ from toothspace.model.assembly import System, assemble, node_places
 from toothspace.results.solution import Solution
 from toothspace.run.condition import condition_of
 from toothspace.solver.initial import start_state
-from toothspace.solver.transient import TimePlan, TransientMarch
-from toothspace.solver.transient_outcome import transient_solution
+from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
 MOTOR = (REPOSITORY / "cases" / "startup_fan_drive.toml").read_text(encoding="utf-8")
 LENGTH, BORE, MODULUS, PRESSURE = 2.5, 0.008, 0.6e9, 20e5

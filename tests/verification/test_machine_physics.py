@@ -10,7 +10,7 @@ import pytest
 
 import toothspace as ts
 from toothspace import api
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
+from toothspace.closures.density import liquid_bulk_modulus
 from toothspace.results.solution import Solution
 
 CASES = Path(__file__).resolve().parents[2] / "cases"

@@ -18,7 +18,7 @@ from tests.external_gear_designs import gear_of, machine_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array
 from toothspace.geometry.involute_gear import InvoluteGear
-from toothspace.machines.external_gear import parameter_tables as keys
+from toothspace.machines.external_gear import spec as keys
 from toothspace.machines.external_gear.describe import describe
 from toothspace.model.arrays import CATEGORY
 from toothspace.model.assembly import System, assemble

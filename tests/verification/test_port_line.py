@@ -11,8 +11,7 @@ from scipy.special import jv
 
 from tests.conftest import REPOSITORY
 from toothspace import api
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
-from toothspace.closures.density import mixture_density
+from toothspace.closures.density import liquid_bulk_modulus, mixture_density
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
 from toothspace.results.ripple import harmonics

@@ -20,8 +20,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
 from toothspace.results.variables import CHANNELS
 from toothspace.run.condition import condition_of
-from toothspace.solver.transient import TimePlan, TransientMarch
-from toothspace.solver.transient_outcome import transient_solution
+from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
 CASE = REPOSITORY / "cases" / "startup_fan_drive.toml"
 BAR = 1e5

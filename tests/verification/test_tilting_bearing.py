@@ -12,7 +12,7 @@ from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.floating.equilibrium import Equilibrium
 from toothspace.floating.problem import LateralProblem, lateral_problem
-from toothspace.floating.stops import leaning, rim_levers
+from toothspace.floating.stack import leaning, rim_levers
 from toothspace.run.elastic import lateral_settings
 
 CASE = Path(__file__).parents[2] / "cases" / "hysteresis_055.toml"

@@ -12,10 +12,10 @@ from toothspace import api
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.types import Array
 from toothspace.model.paths import by_kind
-from toothspace.results.lost_flow import parts_of
-from toothspace.run import lumped
+from toothspace.results.performance import parts_of
+from toothspace.run import run as lumped
 from toothspace.solver import outcome
-from toothspace.solver.look import Look
+from toothspace.solver.lost_flow import Look
 
 LITRES = 6e4
 CLEARANCES = (30.0, 32.0, 34.0, 36.0, 38.0, 40.0, 45.0)

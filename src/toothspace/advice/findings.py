@@ -1,14 +1,202 @@
-"""One list of what is to be known of a result, for every place that shows it."""
+"""What is to be known of a result: limits, causes, and the verdict on it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
-from toothspace.advice.limits import CAVITATION, JudgedLimit, limits_of
-from toothspace.core.design_check import DesignCheck
-from toothspace.core.finding import Finding
+import numpy as np
+
+from toothspace.core.finding import DesignCheck, Finding
 from toothspace.model.description import MachineDescription
+from toothspace.results.ledger import LossCause, loss_causes
+from toothspace.results.ripple import extremes
 from toothspace.results.solution import Solution
+
+_BAR, _MPA = 1e5, 1e6
+_PEAK = 1.5
+_FULL_FILM = 3.0
+_BUSH_PRESSURE, _BUSH_SPEED, _BUSH_PV = 140.0, 5.0, 10.0
+_FLANK_PRESSURE = 1500.0
+_OIL_TEMPERATURE = 80.0
+
+CAVITATION = "Cavitation damage index: power of collapsing vapour"
+"""Label of the limit that judges cavitation."""
+
+_ENCLOSED = "Look where fluid is enclosed: relief grooves, backlash and the timing of the ports."
+_COOLER = "Cool the oil, or lower pressure and speed."
+_FILLED = "Lower the speed, raise the inlet pressure or widen the inlet."
+_FLOATED = "Take a thicker oil, a longer bearing or smoother surfaces, or lower the load."
+_BUSHED = "Take a larger bearing or one for boundary lubrication, or bring its film up."
+_FLANKED = "Take wider gears or a larger module, or lower the load."
+
+_BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
+
+
+class JudgedLimit(NamedTuple):
+    """A quantity of a run against its limit."""
+
+    label: str
+    """Quantity and where."""
+    value: str
+    """Found, with unit."""
+    allowed: str
+    """Limit, with unit."""
+    verdict: str
+    """``met``, ``exceeded`` or ``not judged``."""
+    source: str
+    """Where the limit comes from."""
+    advice: str = ""
+    """What to do where it is exceeded."""
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether the limit was judged and is not met."""
+        return self.verdict == "exceeded"
+
+
+def limits_of(solution: Solution, description: MachineDescription | None) -> list[JudgedLimit]:
+    """Return the limits of a steady result: pressure, filling, films, contact, cavitation."""
+    if "shaft_angle" not in solution.data.sizes or "chamber_pressure" not in solution.data:
+        return []
+    summary = solution.summary()
+    power = float(summary["cavitation_index_W"])
+    share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
+    found = [
+        *_pressures(solution),
+        *_temperature(solution),
+        JudgedLimit(
+            CAVITATION,
+            f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
+            "no vapour",
+            "met" if power == 0.0 else "exceeded",
+            "potential energy of cavities, Fortes-Patella, Reboud, Briancon-Marjollet (2004)",
+            _FILLED,
+        ),
+    ]
+    if description is None:
+        return found
+    found += [*_filling(solution, description), *_bearings(solution, description)]
+    if "contact_force" in solution.data:
+        found += _contacts(solution, description)
+    return found
+
+
+def _judged(
+    label: str, value: float, limit: float, unit: str, source: str, advice: str
+) -> JudgedLimit:
+    verdict = "met" if value <= limit else "exceeded"
+    found, allowed = f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}"
+    return JudgedLimit(label, found, allowed, verdict, source, advice)
+
+
+def _pressures(solution: Solution) -> Iterator[JudgedLimit]:
+    data = solution.data
+    high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
+    peak = float(extremes(data, "chamber_pressure")[1].max())
+    source = "a working pressure and a half, usual peak in pressure limits of makers"
+    yield _judged(
+        "Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source, _ENCLOSED
+    )
+
+
+def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
+    """Oil in the drain, an upper bound without a heat network, and with one in the films."""
+    summary, source = solution.summary(), "oil and seals of makers' data sheets"
+    drain = float(summary["drain_temperature_degC"])
+    if np.isfinite(drain):
+        bound = "" if "temperature" in solution.data else "; an upper bound, no heat to the housing"
+        yield _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", source + bound, _COOLER)
+    if film := summary.get("highest_film_temperature_degC"):
+        source += ", for the oil at the ports; films may be warmer"
+        entry = _judged(
+            "Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source, _COOLER
+        )
+        yield entry if entry.verdict == "met" else entry._replace(verdict="not judged")
+
+
+def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
+    """Speed at which the tips are as fast as the inlet pressure can accelerate the fluid."""
+    data = solution.data
+    names = [body.name for body in description.bodies if body.name in description.outlines]
+    if not names:
+        return
+    radius = max(float(np.max(np.hypot(*description.outlines[name].T))) for name in names)
+    low = min(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
+    highest = np.sqrt(2.0 * low / float(data["inlet_density"])) / radius * 30.0 / np.pi
+    speed = float(np.abs(data["shaft_speed"]).max()) * 30.0 / np.pi
+    source = "filling: tip speed from the inlet pressure, Bernoulli"
+    yield _judged("Shaft speed", speed, float(highest), "rpm", source, _FILLED)
+
+
+def _bearings(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
+    data = solution.data
+    names = [str(name) for name in data["journal"].values] if "journal" in data.dims else []
+    speeds = {body.name: abs(body.speed_ratio) for body in description.bodies}
+    for journal in (j for j in description.journals if j.body in names):
+        where = journal.body.replace("_", " ")
+        lowest = extremes(data, "journal_film_height")[0]
+        height = float(lowest[names.index(journal.body)])
+        ratio = height / journal.roughness
+        full = ratio >= _FULL_FILM
+        yield JudgedLimit(
+            f"Film over roughness, bearing of {where}",
+            f"{ratio:.3g} ({1e6 * height:.2f} µm)",
+            f"at least {_FULL_FILM:.3g}",
+            "met" if full else "exceeded",
+            "full film, Hamrock, Schmid, Jacobson (2004)",
+            _FLOATED,
+        )
+        force = np.linalg.norm(np.asarray(data["journal_force"].sel(body=journal.body)), axis=1)
+        load = float(np.mean(force)) / (journal.count * journal.diameter * journal.length) / _MPA
+        speed = 0.5 * journal.diameter * speeds[journal.body] * float(data["shaft_speed"].mean())
+        for label, value, limit, unit in (
+            ("p", load, _BUSH_PRESSURE, "MPa"),
+            ("v", speed, _BUSH_SPEED, "m/s"),
+            ("p v", load * speed, _BUSH_PV, "MPa m/s"),
+        ):
+            entry = _judged(
+                f"Bearing of {where}, {label} without a full film",
+                value,
+                limit,
+                unit,
+                _BUSH,
+                _BUSHED,
+            )
+            yield entry._replace(verdict="not judged") if entry.exceeded and full else entry
+    if names:
+        yield JudgedLimit(
+            "Bearing life",
+            "no rolling bearing",
+            "ISO 281",
+            "not judged",
+            "plain bearings have no rating life; p, v and p v above",
+        )
+
+
+def _contacts(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
+    """Largest Hertz pressure of every kind of contact."""
+    data = solution.data
+    shaft_angle = np.asarray(data["shaft_angle"])
+    names = [str(name) for name in data["contact"].values]
+    for pair in description.contacts:
+        columns = [k for k, name in enumerate(names) if name.rsplit("_", 1)[0] == pair.name]
+        if len(columns) != pair.count:
+            continue
+        force = np.maximum(np.asarray(data["contact_force"])[:, columns], 0.0)
+        shape = pair.geometry(pair.phases + pair.angle_ratio * shaft_angle[:, None])
+        # of a line contact, sqrt(w E' kappa / (2 pi))
+        curvature = np.maximum(1.0 / shape[..., 2] + 1.0 / shape[..., 3], 0.0)
+        load = force / pair.width
+        pressure = np.sqrt(load * pair.effective_modulus * curvature / (2.0 * np.pi))
+        if float(np.max(pressure)) > 0.0:
+            label = f"Contact pressure, {pair.name.replace('_', ' ')}"
+            source = "case-hardened steel, ISO 6336-5"
+            yield _judged(
+                label, float(np.max(pressure)) / _MPA, _FLANK_PRESSURE, "MPa", source, _FLANKED
+            )
+
 
 _ORDER = ("serious", "caution", "note")
 
@@ -18,6 +206,8 @@ def findings_of(
 ) -> tuple[Finding, ...]:
     """List what a reader should know before trusting a result or building its machine.
 
+    Serious ones first; each sentence once.
+
     Parameters
     ----------
     solution : Solution
@@ -26,11 +216,6 @@ def findings_of(
         Its machine; without it rules, and limits of its bearings and teeth, are left out.
     note : str, optional
         Why there is no machine.
-
-    Returns
-    -------
-    tuple of Finding
-        Serious ones first; each sentence once.
     """
     limits = [limit_finding(x) for x in limits_of(solution, description) if x.exceeded]
     rules = () if description is None else description.checks
@@ -84,3 +269,62 @@ def _cavitation(solution: Solution, limits: Sequence[Finding]) -> list[Finding]:
             allowed="no vapour",
         )
     ]
+
+
+def verdict(solution: Solution) -> str:
+    """Return one or two sentences on what the machine does and where power is lost."""
+    numbers = solution.summary()
+    if "time" in solution.data.sizes:
+        return _course(numbers)
+    mode = solution.data.attrs.get("mode", "machine")
+    flow, torque = _number(numbers, "mean_flow_L_per_min"), _number(numbers, "mean_torque_N_m")
+    overall = _number(numbers, "overall_efficiency")
+    speed = _number(numbers, "shaft_speed_rpm")
+    if mode == "motor":
+        work = f"turns {flow:.2f} L/min into {torque:.2f} N m"
+    else:
+        work = f"delivers {flow:.2f} L/min for {torque:.2f} N m"
+    low, high = (_number(numbers, f"{port}_pressure_bar") for port in ("inlet", "outlet"))
+    text = f"At {speed:.0f} rpm, from {low:.3g} to {high:.3g} bar, the {mode} {work}."
+    if math.isfinite(overall):
+        parts = ("volumetric", "hydromechanical")
+        shares = [f"{p} {100.0 * _number(numbers, f'{p}_efficiency'):.1f} %" for p in parts]
+        text += f" Overall efficiency is {100.0 * overall:.1f} % ({', '.join(shares)});"
+        text += f" {_lost(loss_causes(solution.ledger))}."
+    return text
+
+
+def _course(numbers: Mapping[str, float | str]) -> str:
+    """What happened in a run over time."""
+    duration, speed = _number(numbers, "duration_s"), _number(numbers, "max_shaft_speed_rpm")
+    start, ratio = _number(numbers, "startup_pressure_bar"), numbers["startup_pressure_ratio"]
+    text = f"{duration:.4g} s with at most {speed:.0f} rpm."
+    if math.isfinite(start):
+        time = _number(numbers, "breakaway_time_s")
+        text += f" The shaft breaks away after {time:.3g} s; starting takes {start:.3g} bar"
+        running = _number(numbers, "max_running_pressure_bar")
+        if math.isfinite(running):
+            text += f", {ratio:.3g} times the {running:.3g} bar of running"
+        text += "."
+    return text
+
+
+def _lost(losses: Sequence[LossCause]) -> str:
+    """Points of efficiency that each cause takes, largest first, and the largest loss."""
+    shares: dict[str, float] = {}
+    for entry in losses:
+        shares[entry.cause] = shares.get(entry.cause, 0.0) + 100.0 * entry.share
+    named = sorted(shares.items(), key=lambda item: -item[1])
+    parts = [f"{cause} {share:.1f}" for cause, share in named if share >= 0.05]
+    text = f"points of efficiency lost: {', '.join(parts)}" if parts else "no losses"
+    total = sum(entry.power for entry in losses)
+    if total <= 0.0:
+        return text
+    largest = max(losses, key=lambda entry: entry.power)
+    where = f"{largest.cause}, {largest.label}, with {largest.power:.0f} W"
+    return f"{text}; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
+
+
+def _number(numbers: Mapping[str, float | str], name: str) -> float:
+    value = numbers.get(name, math.nan)
+    return float(value) if not isinstance(value, str) else math.nan

@@ -51,16 +51,13 @@ class GearDesigns(ExternalPair[Array]):
     def mesh_volume(self, position: Array) -> Array:
         r"""Volume between two contacts of the loaded flanks, backlash open.
 
+        Volume. [m3]
+
         Parameters
         ----------
         position : ndarray
             Place of the rear contact from the pitch point; the other one is a base pitch ahead.
             [m]
-
-        Returns
-        -------
-        ndarray
-            Volume. [m3]
 
         Notes
         -----

@@ -1,11 +1,14 @@
-"""Design rules of an involute gear pair in a pump or motor, each with the reason it matters."""
+"""Design rules of involute gears and of bearings, each with the reason it matters."""
 
 from __future__ import annotations
 
-from toothspace.core.design_check import DesignCheck
+from collections.abc import Sequence
+
+from toothspace.core.finding import DesignCheck
 from toothspace.geometry.gear_pair import GearPair, trapped_volume_change
 from toothspace.geometry.involute import InvoluteGear, ToothForm
 from toothspace.geometry.involute_gear import Real
+from toothspace.model.description import LumpedJournalBearing
 
 MIN_CONTACT_RATIO = 1.05
 MAX_SPUR_CONTACT_RATIO = 2.0
@@ -25,17 +28,14 @@ def pair_checks(
 ) -> tuple[DesignCheck, ...]:
     """Geometric design rules of a gear pair.
 
+    Contact ratio, tip land, undercut, interference, root clearance, backlash, trapped volume.
+
     Parameters
     ----------
     face_width : float
         Tooth length. [m]
     vented : bool
         Whether relief grooves join the volume between two contacts to the ports.
-
-    Returns
-    -------
-    tuple of DesignCheck
-        Contact ratio, tip land, undercut, interference, root clearance, backlash, trapped volume.
     """
     gears = (("drive gear", pair.drive), ("driven gear", pair.driven))
     checks = [contact_ratio_check(pair.contact_ratio)]
@@ -48,7 +48,23 @@ def pair_checks(
             interference_check(owner, margin, allowed=form.undercut),
             root_clearance_check(owner, pair.root_clearances[index], gear.module),
         ]
-    return (*checks, _backlash(pair), _trapped_volume(pair, face_width, vented=vented))
+    module, backlash = pair.drive.module, pair.normal_backlash
+    least, most = least_normal_backlash(module, pair.center_distance), MAX_BACKLASH * module
+    return (
+        *checks,
+        DesignCheck(
+            name="normal backlash",
+            value=backlash * 1e3,
+            unit="mm",
+            allowed=f"{least * 1e3:.3g} mm (ISO/TR 10064-2) to {most * 1e3:.3g} mm "
+            f"({MAX_BACKLASH:g} modules)",
+            passed=least <= backlash <= most,
+            reason="Less lets thermal growth and bearing play jam the flanks and throttles trapped "
+            "fluid between them; a wide one rattles and lets both sides of the mesh leak into each "
+            "other.",
+        ),
+        _trapped_volume(pair, face_width, vented=vented),
+    )
 
 
 def contact_ratio_check(ratio: float, largest: float = MAX_SPUR_CONTACT_RATIO) -> DesignCheck:
@@ -145,22 +161,6 @@ def least_normal_backlash(module: Real, center_distance: Real) -> Real:
     return (0.06e-3 + 0.0005 * center_distance + 0.03 * module) * 2.0 / 3.0
 
 
-def _backlash(pair: GearPair) -> DesignCheck:
-    module, backlash = pair.drive.module, pair.normal_backlash
-    least, most = least_normal_backlash(module, pair.center_distance), MAX_BACKLASH * module
-    return DesignCheck(
-        name="normal backlash",
-        value=backlash * 1e3,
-        unit="mm",
-        allowed=f"{least * 1e3:.3g} mm (ISO/TR 10064-2) to {most * 1e3:.3g} mm "
-        f"({MAX_BACKLASH:g} modules)",
-        passed=least <= backlash <= most,
-        reason="Less lets thermal growth and bearing play jam the flanks and throttles trapped "
-        "fluid between them; a wide one rattles and lets the two sides of the mesh leak into each "
-        "other.",
-    )
-
-
 def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> DesignCheck:
     change = trapped_volume_change(pair, face_width)
     share = VENTED_SHARE if vented else _ENCLOSED_SHARE
@@ -175,3 +175,51 @@ def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> Desig
         reason="Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
         "it, pressure peaks load the bearings and then cavitation erodes the flanks.",
     )
+
+
+RELATIVE_CLEARANCE = 0.3e-3, 5e-3
+"""Least and largest radial clearance of a bearing over its radius. [-]"""
+
+
+def bearing_checks(
+    journals: Sequence[LumpedJournalBearing], root_clearance: float | None = None
+) -> tuple[DesignCheck, ...]:
+    """Clearances of bearings over their radius, and play over the room in the teeth.
+
+    One for each bearing, and one for the play.
+
+    Parameters
+    ----------
+    journals : sequence of LumpedJournalBearing
+        Bearings, two of those at either side of a gear as one.
+    root_clearance : float or None
+        Smallest room of a mating tip in a root; None where teeth do not limit the play. [m]
+
+    References
+    ----------
+    .. [1] DIN 31698:1979, Plain bearings, fits: mean relative clearances of 0.56 to 3.15 per mille.
+    """
+    least, most = RELATIVE_CLEARANCE
+    checks = []
+    for journal in journals:
+        found = 2.0 * journal.radial_clearance / journal.diameter
+        checks.append(
+            DesignCheck(
+                f"relative clearance of the bearing, {journal.body.replace('_', ' ')}",
+                found, "1", f"{least:g} to {most:g}",
+                least <= found <= most,
+                "A bearing with less runs hot or seizes; with more its film does not carry.",
+            )
+        )  # fmt: skip
+    if root_clearance is not None:
+        # what holds both bearings in the housing carries the gears along together
+        play = sum(journal.radial_clearance for journal in journals)
+        checks.append(
+            DesignCheck(
+                "bearing play of both gears", play * 1e3, "mm",
+                f"below the root clearance of {root_clearance * 1e3:.3g} mm",
+                play < root_clearance,
+                "Gears that move through the play of their bearings must not run into the roots.",
+            )
+        )  # fmt: skip
+    return tuple(checks)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toothspace.advice.short_circuit import DesignCondition
+from toothspace.advice.trapping import DesignCondition
 from toothspace.closures.contact_cylindrical import hertz_pressure
-from toothspace.core.design_check import DesignCheck
+from toothspace.core.finding import DesignCheck
 from toothspace.gearing.flank_contacts import rigid_mesh
 from toothspace.gearing.materials import Material, reduced_modulus
 from toothspace.gearing.meshing import MeshedGears, displacement

@@ -1,4 +1,4 @@
-"""Pressure of the tooth spaces in the mesh without a run, and which groove edge to move.
+"""Spaces in the mesh without a run: cross-port leakage, trapped pressure, edges to move.
 
 While two pairs of flanks touch, the spaces between them have no way out but the relief grooves and
 the backlash. Volume rates, groove openings and throats together give their pressures.
@@ -7,28 +7,23 @@ the backlash. Volume rates, groove openings and throats together give their pres
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
 import numpy as np
 
-from toothspace.advice.short_circuit import (
-    DENSITY,
-    SHORT_CIRCUIT_LIMIT,
-    DesignCondition,
-    in_series,
-)
 from toothspace.closures.gap_flow import curved_gap_conductance
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT, orifice_conductance
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
-from toothspace.core.design_check import DesignCheck
+from toothspace.core.finding import DesignCheck
 from toothspace.core.types import Array, IntArray
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears, displacement, relative_radius
 from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.model.description import ChamberFamily, FlowPath
 
 PEAK_LIMIT = 1.5
 """Highest pressure of a trapped space over the high pressure. [-]"""
@@ -140,10 +135,7 @@ class EnclosedMesh:
 def mesh_chain(mesh: EnclosedMesh) -> MeshChain:
     """Put the spaces round the centre line in the order in which throats join them.
 
-    Returns
-    -------
-    MeshChain
-        Three spaces of each gear over one pitch of the shaft angle.
+    Three spaces of each gear over one pitch of the shaft angle.
     """
     spaces = mesh.spaces
     count = spaces[0].angles.size // mesh.gears.counts[0]
@@ -212,10 +204,7 @@ def _throat(mesh: EnclosedMesh, side: Throats) -> Opening:
 def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
 
-    Returns
-    -------
-    Trapping
-        Highest pressure, exchange through the backlash and short circuit.
+    Highest pressure, exchange through the backlash and short circuit.
 
     Notes
     -----
@@ -237,21 +226,17 @@ def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:
         through = in_series(chain.throat.area, in_series(here.area[:, :-1], there.area[:, 1:]))
         joined += through.sum(axis=1)
     rate = float(np.mean(joined) * np.sqrt(2.0 * difference / DENSITY))
-    return Trapping(
-        peak_pressure=float(pressures.max()),
-        exchange_drop=_exchange_drop(chain, speed),
-        short_circuit=rate / (displacement(mesh.gears) * speed),
-    )
-
-
-def _exchange_drop(chain: MeshChain, speed: float) -> float:
     # a shut space that shrinks passes all through the wider of its throats
     sides = np.pad(chain.throat.area, ((0, 0), (1, 1)))
     wider = np.maximum(sides[:, :-1], sides[:, 1:])
     shut = chain.to_inlet.area + chain.to_outlet.area == 0.0
     shut &= (chain.growth < 0.0) & (wider > 0.0)
     velocity = speed * chain.growth[shut] / wider[shut]
-    return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
+    return Trapping(
+        peak_pressure=float(pressures.max()),
+        exchange_drop=float(0.5 * DENSITY * np.max(velocity**2, initial=0.0)),
+        short_circuit=rate / (displacement(mesh.gears) * speed),
+    )
 
 
 def _pressures(chain: MeshChain, is_pump: bool, condition: DesignCondition) -> Array:
@@ -323,10 +308,7 @@ def trapping_checks(mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
 def sealing_edge(mesh: EnclosedMesh) -> str:
     """Where to move the edge of the opening-side groove so that the mesh parts both ports.
 
-    Returns
-    -------
-    str
-        A sentence; empty where the mesh parts them, or without grooves.
+    A sentence; empty where the mesh parts them, or without grooves.
     """
 
     def parts(grooves: ReliefGrooves) -> bool:
@@ -372,3 +354,132 @@ def _sealing(mesh: EnclosedMesh, grooves: ReliefGrooves, *, single: bool) -> str
         f"{words}, in which grooves {spacing * 1e3:.4g} mm apart just never close; here they are "
         f"{have * 1e3:.4g} mm apart."
     )
+
+
+SHORT_CIRCUIT_LIMIT = 0.01
+"""Flow from high to low pressure through joined openings over the ideal flow. [-]"""
+
+DENSITY = 850.0
+"""Density of the estimate, mineral oil. [kg/m3]"""
+
+_ANGLES = 48
+_PORTS = ("inlet", "outlet")
+
+
+@final
+@dataclass(frozen=True)
+class DesignCondition:
+    """Condition at which design rules judge; the low-pressure side is at one atmosphere."""
+
+    pressure: float = 200e5
+    """Absolute pressure of the high-pressure side. [Pa]"""
+    shaft_speed: float = 1500.0 * np.pi / 30.0
+    """Shaft speed. [rad/s]"""
+
+    @property
+    def pressure_difference(self) -> float:
+        """Pressure difference between the ports. [Pa]."""
+        return self.pressure - ATMOSPHERIC_PRESSURE
+
+    def __str__(self) -> str:
+        """Return the condition in words."""
+        return f"at {self.pressure * 1e-5:.4g} bar, {self.shaft_speed * 30.0 / np.pi:.4g} rpm"
+
+
+TYPICAL = DesignCondition()
+"""Condition for machines without one of their own."""
+
+
+def in_series(first: Array, second: Array) -> Array:
+    r"""Area of two openings one behind the other, :math:`A_1 A_2 / \sqrt{A_1^2 + A_2^2}`. [m2]."""
+    product, scale = first * second, np.hypot(first, second)
+    return np.asarray(product / np.where(scale > 0.0, scale, 1.0), dtype=float)
+
+
+def joined_area(
+    families: Sequence[ChamberFamily],
+    paths: Sequence[FlowPath],
+    closed_by: float = 0.0,
+) -> float:
+    """Area that joins both ports, mean over a pitch of the first family.
+
+    Orifice for openings of single chambers to both ports, and of two that mesh, in series. [m2]
+
+    Parameters
+    ----------
+    families, paths : sequence of ChamberFamily, FlowPath
+        Chambers, and all paths of the machine.
+    closed_by : float
+        Part by which bearing play closes the throats between meshing chambers. [m]
+    """
+    first = families[0]
+    pitch = 2.0 * np.pi / (first.count * abs(first.angle_ratio))
+    angle, rows = pitch * np.arange(_ANGLES) / _ANGLES, np.arange(_ANGLES)[:, None]
+    count = sum(family.count for family in families)
+    to = {port: np.zeros((_ANGLES, count)) for port in _PORTS}
+    for path in paths:
+        port = path.category.role.partition("_")[0]
+        if path.kind == "orifice" and port in to:
+            table = path.geometry(path.phases + path.angle_ratio * angle[:, None])
+            np.add.at(to[port], (rows, path.nodes_a[None, :]), path.multiplicity * table[..., 0])
+    joined = in_series(to["inlet"], to["outlet"]).sum(axis=1)
+    for path in (path for path in paths if path.category.role == "mesh"):
+        table = path.geometry(path.phases + path.angle_ratio * angle[:, None])
+        # a gap does not contract the flow as the sharp edges of the openings do
+        height = np.maximum(table[..., 0] - closed_by, 0.0) / DISCHARGE_COEFFICIENT
+        throat = height * table[..., 1]
+        here, there = path.nodes_a[None, :], path.partners(angle)
+        for port, other in (_PORTS, _PORTS[::-1]):
+            through = in_series(to[port][rows, here], to[other][rows, there])
+            joined += in_series(throat, through).sum(axis=1)
+    return float(joined.mean())
+
+
+def opening_checks(
+    families: Sequence[ChamberFamily],
+    paths: Sequence[FlowPath],
+    displacement: float,
+    closed_by: float = 0.0,
+    condition: DesignCondition = TYPICAL,
+) -> tuple[DesignCheck, ...]:
+    """Seal between both ports, and relief grooves that chambers meet.
+
+    Short circuit, and opening of the grooves if there are any.
+
+    Parameters
+    ----------
+    families, paths, closed_by
+        See :func:`joined_area`.
+    displacement : float
+        Displaced volume. [m3/rad]
+    condition : DesignCondition
+        Pressure and speed of the short circuit.
+    """
+    velocity = float(np.sqrt(2.0 * condition.pressure_difference / DENSITY))
+    flow = DISCHARGE_COEFFICIENT * velocity * joined_area(families, paths, closed_by)
+    share = flow / (displacement * condition.shaft_speed)
+    short = DesignCheck(
+        name="short circuit through the chambers",
+        value=100.0 * share,
+        unit="%",
+        allowed=f"up to {100.0 * SHORT_CIRCUIT_LIMIT:g} % of the ideal flow {condition}",
+        passed=share <= SHORT_CIRCUIT_LIMIT,
+        reason="While a chamber is open to both ports, by grooves, recesses or the chamber that it "
+        "meshes with, fluid at high pressure escapes to the other side.",
+    )
+    grooves = [
+        float(path.geometry(path.geometry.period * np.arange(720) / 720)[:, 0].max())
+        for path in paths
+        if path.category.role.endswith("_groove")
+    ]
+    if not grooves:
+        return (short,)
+    met = DesignCheck(
+        name="opening of the relief grooves",
+        value=1e6 * min(grooves),
+        unit="mm2",
+        allowed="above 0 mm2 for every groove and gear",
+        passed=min(grooves) > 0.0,
+        reason="A groove that no tooth space meets relieves nothing.",
+    )
+    return short, met

@@ -3,8 +3,7 @@
 =========== ==========================================================
 module      responsibility
 =========== ==========================================================
-session     cases that can be opened, their check, the one run
-server      what the browser asks for, guarded
+server      what the browser asks for, guarded: cases, their check, the one run
 page.html   the form, built in the browser from the JSON Schema
 =========== ==========================================================
 """

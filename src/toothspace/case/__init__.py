@@ -3,13 +3,14 @@
 =============== ==========================================================
 module          responsibility
 =============== ==========================================================
-case            the whole case: made, changed, written, hashed
-document        text of a file to tables with places, and tables to text
-overrides       values of key paths laid over tables
-rules           what several keys must fulfil together
+case            the whole case: made, changed, written, hashed, its JSON Schema
+document        text of a file to tables with places, values of key paths laid over them, and
+                tables to text
+case_tables     tables of a case file, and what several keys must fulfil together
 shipped         cases that come with the package
-json_schema     JSON Schema of all keys
+fingerprint     hashes of content, and what is kept by them
 conditions      fluid, operating point, numerical settings of the run
+presets         fidelity presets, their models and the keys that one of them reads
 stand_alone     journal bearing and film without a machine
 =============== ==========================================================
 """

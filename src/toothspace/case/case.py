@@ -8,25 +8,44 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
-from toothspace.case.case_tables import MACHINE_KEY, SCHEMA_VERSION, STUDY_KEY, CaseTables
+from toothspace.case.case_tables import (
+    MACHINE_KEY,
+    SCHEMA_VERSION,
+    STUDY_KEY,
+    CaseTables,
+    broken_rules,
+)
 from toothspace.case.document import (
+    BASE,
+    CONDITIONS,
     Document,
     document_text,
     parse_document,
     read_document,
     require_ordinary,
+    split_override,
+    with_values,
 )
 from toothspace.case.fingerprint import cached_by_hash
-from toothspace.case.overrides import CONDITIONS, split_override, with_values
-from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of
-from toothspace.core.keys import FileText, Problems, Source, Table, shown
+from toothspace.core.keys import (
+    FileText,
+    Problems,
+    Schema,
+    Source,
+    Table,
+    shown,
+)
+from toothspace.core.registry import view
 from toothspace.core.units import as_text
 from toothspace.library import shipped_folder
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _KEPT_MACHINES = 16
 _machines: dict[str, Any] = {}
@@ -290,10 +309,45 @@ class Case(CaseTables):
         shipped = self.source is None or self.source.parent == shipped_folder("cases")
         return self.name if shipped else str(self.source)
 
+    @property
+    def plot(self) -> MachineFigures:
+        """Figures of the machine before any run, such as ``case.plot.section()``."""
+        if self.machine is None:
+            raise CaseError("machine", "none", "a case with a [machine] table")
+        return MachineFigures(self)
+
+    def _repr_html_(self) -> str:
+        card: str = view("case_card")(self)
+        return card
+
     def __repr__(self) -> str:
         condition = next(name for name in CONDITIONS if getattr(self, name) is not None)
         machine = f"{self.machine_type} {self.machine.mode}, " if self.machine else ""
         return f"<Case {self.title!r}: {machine}{condition}, {self.run.fidelity}>"
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MachineFigures:
+    """Figures of the machine of a case; each is an object of Matplotlib."""
+
+    case: Case
+
+    def section(self, shaft_angle: float = 0.0) -> Figure:
+        """Section with ports, grooves and bearings at a shaft angle [rad]."""
+        return self._drawn("section", shaft_angle=shaft_angle)
+
+    def volumes(self) -> Figure:
+        """Volume of a chamber and its slope over the chamber's own angle."""
+        return self._drawn("volumes")
+
+    def openings(self) -> Figure:
+        """Open areas of a chamber to ports and grooves over its own angle."""
+        return self._drawn("openings")
+
+    def _drawn(self, name: str, **options: float) -> Figure:
+        figure: Figure = view("machine_figure")(view("describe")(self.case), name, **options)
+        return figure
 
 
 def _require_table(name: str, given: object) -> None:
@@ -387,3 +441,45 @@ def _made(
         raise document.refuse(error) from error
     object.__setattr__(case, "_read_from", Document(document.label, {}, document.places))
     return case
+
+
+_BASE = {
+    "description": "Case file that this one is based on: its keys count where this file has none.",
+    "anyOf": [
+        {"type": "string"},
+        {
+            "type": "object",
+            "properties": {
+                "file": {"type": "string", "description": "Case file, relative to this one."},
+                "without": {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "description": "Key paths of that file to be left out.",
+                },
+            },
+            "required": ["file"],
+            "additionalProperties": False,
+        },
+    ],
+}
+
+
+def case_schema() -> Schema:
+    """Return the schema of a whole case file.
+
+    A file with a ``base`` needs to be whole together with its base only, so what a case must
+    have is asked of a file without one.
+    """
+    keys = Table(spec=Case).schema()
+    whole = {
+        "required": ["schema", "title"],
+        "oneOf": [{"required": [name]} for name in CONDITIONS],
+    }
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "toothspace case file",
+        **keys,
+        "properties": {BASE: _BASE, **keys["properties"]},
+        "required": [],
+        "anyOf": [{"required": [BASE]}, whole],
+    }

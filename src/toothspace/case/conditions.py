@@ -15,7 +15,6 @@ from toothspace.case.presets import (
     Preset,
 )
 from toothspace.circuit.lines import PortLine
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
@@ -34,6 +33,7 @@ from toothspace.core.keys import (
     table,
     text,
 )
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.library import library_names
 from toothspace.results.variables import CHANNELS
 

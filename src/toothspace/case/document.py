@@ -1,20 +1,19 @@
-"""Text of a case file to tables with the line of every key, and tables back to text."""
+"""Text of a case file to tables with the line of every key, changed by key paths, and back."""
 
 from __future__ import annotations
 
 import json
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, final
 
-from toothspace.case.overrides import remove_alternatives, without
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, joined
 from toothspace.core.files import read_bytes
 from toothspace.core.frozen import Points
-from toothspace.core.keys import shown
+from toothspace.core.keys import is_table, shown
 from toothspace.library import shipped_folder
 
 BASE = "base"
@@ -81,15 +80,13 @@ class Document:
 def read_document(path: Path, label: str) -> Document:
     """Return the tables of a TOML file.
 
+    Raises CaseError if it, or the file that it is based on, is missing, no text in UTF-8 or no
+    TOML.
+
     Parameters
     ----------
     label : str
         Its name in messages.
-
-    Raises
-    ------
-    CaseError
-        If it, or the file that it is based on, is missing, no text in UTF-8 or no TOML.
     """
     return parse_document(_read_text(path, label), label, path.parent)
 
@@ -124,6 +121,8 @@ def _is_shipped(path: Path) -> bool:
 def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0) -> Document:
     """Return the tables of TOML text, laid over those of its base.
 
+    Raises CaseError if the text or a base is no TOML, or a base leads back to itself.
+
     Parameters
     ----------
     text : str
@@ -135,11 +134,6 @@ def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0)
         Folder that ``base`` is relative to.
     depth : int
         How many files are based on this one.
-
-    Raises
-    ------
-    CaseError
-        If the text or a base is no TOML, or a base leads back to itself.
     """
     try:
         tables = tomllib.loads(text)
@@ -352,3 +346,93 @@ def _value(value: Any) -> str:
         pairs = ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items())
         return f"{{{pairs}}}"
     return str(value)
+
+
+CONDITIONS = ("operating_point", "circuit", "bearing", "film")
+"""Tables of which a case has exactly one."""
+
+ALTERNATIVES = (
+    ("run.until", "run.revolutions"),
+    ("machine.gears.normal_backlash", "machine.gears.center_distance"),
+    ("fluid.name", "fluid.table"),
+    ("bearing.eccentricity", "bearing.load"),
+    CONDITIONS,
+)
+"""Keys that exclude each other: one that is given takes the others out."""
+
+_PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
+
+
+def split_override(override: str) -> tuple[str, Any]:
+    """Return key path and value of ``key.path=value``.
+
+    The value is TOML; anything else is taken as text, so that ``machine.gears.module=3 mm``
+    needs no inner quotes.
+
+    Raises CaseError if it has no key or no value.
+    """
+    path, equals, value = (part.strip() for part in str(override).partition("="))
+    if not equals or not value or not _PATH.fullmatch(path):
+        raise CaseError("--set", repr(override), "key.path=value")
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError):
+        return path, value
+    return path, parsed["value"] if list(parsed) == ["value"] else value
+
+
+def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with values of key paths replaced, in their order.
+
+    Raises CaseError if a path is no key path, or leads through a value.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables of a case; not changed.
+    values : mapping of key path to value
+        Values as they would stand in a case file; None takes the key out.
+    """
+    changed: Any = dict(tables)
+    for path, value in values.items():
+        if not isinstance(path, str) or not _PATH.fullmatch(path):
+            allowed = "a key path such as fluid.name"
+            raise CaseError(str(path), "no key path", allowed)
+        changed = without(changed, path) if value is None else _with(changed, path, value)
+        remove_alternatives(changed, [path] if value is not None else [])
+    return dict(changed)
+
+
+def _with(table: Any, path: str, value: Any, above: str = "") -> Any:
+    if is_table(table):
+        found = f"{joined(above, path)} below an object"
+        raise CaseError(joined(above, path), found, "a path through tables")
+    if not isinstance(table, Mapping):
+        found = f"{joined(above, path)} below a value"
+        allowed = f"a path through tables, but {above} is a value"
+        raise CaseError(joined(above, path), found, allowed)
+    name, _, rest = path.partition(".")
+    inner = _with(table.get(name, {}), rest, value, joined(above, name)) if rest else value
+    return {**table, name: inner}
+
+
+def without(tables: Mapping[str, Any], path: str) -> dict[str, Any]:
+    """Return tables without what stands at a key path, if anything does."""
+    name, _, rest = path.partition(".")
+    found = dict(tables)
+    if not rest:
+        found.pop(name, None)
+    elif isinstance(found.get(name), Mapping):
+        found[name] = without(found[name], rest)
+    return found
+
+
+def remove_alternatives(tables: dict[str, Any], given: Iterable[str]) -> None:
+    """Take out of tables what excludes a given key."""
+    names = set(given)
+    for group in ALTERNATIVES:
+        if names & set(group):
+            for path in set(group) - names:
+                changed = without(tables, path)
+                tables.clear()
+                tables.update(changed)

@@ -149,7 +149,7 @@ LUMPED = Preset(
     name="lumped",
     content="Chamber pressures with cavitation, all flow paths, body motion, contacts, "
     "closed-form films and friction.",
-    module="toothspace.run.lumped",
+    module="toothspace.run.run",
     interfaces={
         "journal": ("closed_form", "reynolds", "table"),
         "lateral": ("closed_form", "reynolds", "table"),
@@ -162,7 +162,7 @@ LUMPED = Preset(
 FILMS = Preset(
     name="films",
     content="Lumped, with journal and lateral films solved on grids.",
-    module="toothspace.run.lumped",
+    module="toothspace.run.run",
     interfaces={
         "journal": ("reynolds", "closed_form"),
         "lateral": ("reynolds", "closed_form"),

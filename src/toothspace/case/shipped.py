@@ -25,10 +25,7 @@ def cases() -> dict[str, str]:
 def shipped_case(name: str) -> Path:
     """Return the file of a shipped case.
 
-    Raises
-    ------
-    CaseError
-        If there is none of that name.
+    Raises CaseError if there is none of that name.
     """
     names = [path.stem for path in sorted(shipped_folder("cases").glob("*.toml"))]
     if name not in names:
@@ -39,22 +36,16 @@ def shipped_case(name: str) -> Path:
 def copy_case(name: str, folder: Path, *, replace: bool = False) -> list[Path]:
     """Copy a shipped case with the files that it names, its base included.
 
+    The files written, the case first.
+
+    Raises CaseError if there is no such case, or a file exists.
+
     Parameters
     ----------
     folder : Path
         Where to; made if it is not there.
     replace : bool
         Whether files that exist are replaced.
-
-    Returns
-    -------
-    list of Path
-        The files written, the case first.
-
-    Raises
-    ------
-    CaseError
-        If there is no such case, or a file exists.
     """
     home = shipped_folder("cases")
     sources = list(dict.fromkeys(_with_files(shipped_case(name))))

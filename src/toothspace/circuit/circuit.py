@@ -11,7 +11,6 @@ from toothspace.circuit.network import PORT_NODES, CircuitNetwork, CircuitNode, 
 from toothspace.circuit.shaft_loads import SHAFT_PARTS
 from toothspace.circuit.stores import Tank
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import FrozenDict
 from toothspace.core.keys import (
@@ -24,6 +23,7 @@ from toothspace.core.keys import (
     items,
     quantity,
 )
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 
 ELEMENT_KEY = Variant(tag="kind", variants=ELEMENTS, doc="Circuit element.")
 MACHINE_PORTS = ("machine.inlet", "machine.outlet", "machine.drain")
@@ -82,6 +82,9 @@ def build_circuit(
 ) -> CircuitNetwork:
     """Join the elements of a case to nodes of one pressure each.
 
+    Raises CaseError if an end stays open, two tanks are joined, or nothing holds fluid between
+    elements.
+
     Parameters
     ----------
     circuit : Circuit
@@ -90,11 +93,6 @@ def build_circuit(
         Fluid at inlet and outlet of the machine. [m3]
     fluid : FluidLaw
         Constants of the fluid; the wall of a hose takes the compliance that its fluid leaves.
-
-    Raises
-    ------
-    CaseError
-        If an end stays open, two tanks are joined, or nothing holds fluid between elements.
     """
     parts = circuit.parts
     tanks = [part for part in parts.values() if isinstance(part, Tank)]

@@ -31,8 +31,7 @@ from toothspace.circuit.network import (
     law_columns,
 )
 from toothspace.circuit.restrictions import Resistance
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
-from toothspace.closures.density import mixture_density
+from toothspace.closures.density import liquid_bulk_modulus, mixture_density
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.line_friction import (
     CRITICAL_REYNOLDS,
@@ -190,15 +189,13 @@ class Line(KeyTable):
     def check_wall(self, fluid: FluidLaw, path: str) -> None:
         """Refuse a line that is stiffer than the liquid in it.
 
+        Raises CaseError if the effective bulk modulus exceeds that of the liquid at its
+        temperature.
+
         Parameters
         ----------
         path : str
             Table of the line in its case.
-
-        Raises
-        ------
-        CaseError
-            If the effective bulk modulus exceeds that of the liquid at its temperature.
         """
         liquid, given = liquid_modulus(fluid), self.effective_bulk_modulus
         if given is not None and given > liquid:

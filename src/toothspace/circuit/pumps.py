@@ -21,7 +21,6 @@ from toothspace.circuit.network import (
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.compiled import kernel
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     KeyTable,
@@ -33,6 +32,7 @@ from toothspace.core.keys import (
 )
 from toothspace.core.signals import read_grid
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 
 
 class SupplyPump(NamedTuple):

@@ -93,10 +93,8 @@ class FreeShaft:
 def shaft_of(parts: Iterable[Any]) -> FreeShaft | None:
     """The free shaft with its loads; None where a source prescribes its speed.
 
-    Raises
-    ------
-    CaseError
-        If more than one torque source or coupling is given, or a coupling that turns nothing.
+    Raises CaseError if more than one torque source or coupling is given, or a coupling that turns
+    nothing.
     """
     parts = tuple(parts)
     if speed_of(parts) is not None:

@@ -3,13 +3,11 @@
 =========== ==========================================================
 module      responsibility
 =========== ==========================================================
-application the commands in their order
+application the commands in their order; shipped cases and fluids, schema, compiling ahead
 runs        runs, studies, films and their reduction
 machines    geometry of a machine, gears in CAD files
 pages       reports, comparison, validation book, form
-lists       shipped cases and fluids, schema, compiling ahead
-options     options, messages and exit codes that commands share
-output      summaries as text or JSON, messages, progress
+output      what commands share: options, exit codes, summaries as text or JSON, progress
 =========== ==========================================================
 """
 
@@ -39,15 +37,12 @@ _STACK_WORDS = 2**16 + 1
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
+    0 done, 2 bad input, 3 numerical failure, 130 interrupted, 70 unexpected error. [-]
+
     Parameters
     ----------
     arguments : sequence of str or None
         Arguments without the program's name; None takes those of the process.
-
-    Returns
-    -------
-    int
-        0 done, 2 bad input, 3 numerical failure, 130 interrupted, 70 unexpected error. [-]
     """
     # what imports leave behind stays to the end: looking through it again and again is in vain
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)

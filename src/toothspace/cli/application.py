@@ -2,12 +2,64 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import toothspace
-from toothspace.cli import lists, machines, pages, runs
+from toothspace.cli import machines, output, pages, runs
+from toothspace.cli.output import Force, Json
+
+
+def init(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Shipped case, see 'cases'.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to.")] = Path(),
+    force: Force = False,
+) -> None:
+    """Start from a shipped case: copy it with the files that it names."""
+    import tomllib
+
+    from toothspace.case.shipped import copy_case
+
+    written = copy_case(name, folder, replace=force)
+    for path in written:
+        output.message(f"Written: {path}")
+    tables = tomllib.loads(written[0].read_text(encoding="utf-8"))
+    command = next((c for c in ("study", "bearing", "film") if c in tables), "run")
+    output.message(f"Next: toothspace {command} {written[0]}")
+
+
+def cases(as_json: Json = False) -> None:
+    """List the shipped cases, which every command knows by name."""
+    from toothspace.case import shipped
+
+    output.write(shipped.cases(), as_json=as_json)
+
+
+def fluids(as_json: Json = False) -> None:
+    """List the fluids of the library."""
+    from toothspace import library
+
+    output.write(library.fluids(), as_json=as_json)
+
+
+def warmup(as_json: Json = False) -> None:
+    """Compile everything that runs need, once, so that the first run starts at once."""
+    from toothspace.core.compilation.sources import compiled_folder
+    from toothspace.warmup import warm_up
+
+    output.write(warm_up(), as_json=as_json)
+    output.message(f"Compiled code: {compiled_folder()}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of the case file."""
+    from toothspace.case.case import case_schema
+
+    output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))
+
 
 application = typer.Typer(
     name="toothspace",
@@ -18,17 +70,28 @@ application = typer.Typer(
 )
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"toothspace {toothspace.__version__}")
-        raise typer.Exit
+def _show_version(context: typer.Context, wanted: bool) -> None:
+    if not wanted:
+        return
+    typer.echo(f"toothspace {toothspace.__version__}")
+    if context.params["verbose"]:
+        from toothspace.core.compilation.library import chosen
+
+        way, reason, _ = chosen()
+        typer.echo(f"compiled code: {way} ({reason})")
+    raise typer.Exit
 
 
 @application.callback()
 def _options(
-    _version: Annotated[
+    verbose: Annotated[  # read by the callback of --version, which comes after it
         bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+        typer.Option(
+            "-v", "--verbose", is_eager=True, help="With --version: where compiled code is from."
+        ),
+    ] = False,
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, help="Show the version.")
     ] = False,
 ) -> None:
     """Simulate hydraulic gear machines."""
@@ -46,11 +109,11 @@ for _command in (
     runs.reduce,
     runs.fmu,
     pages.validate,
-    lists.init,
-    lists.cases,
-    lists.fluids,
+    init,
+    cases,
+    fluids,
     pages.app,
-    lists.warmup,
-    lists.schema,
+    warmup,
+    schema,
 ):
     application.command()(_command)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toothspace.cli import output
-from toothspace.cli.options import CaseFile, Force, Json, Overrides, load, named, read_quantity
+from toothspace.cli.output import CaseFile, Force, Json, Overrides, load, named, read_quantity
 from toothspace.core.errors import CaseError
 from toothspace.core.files import require_writable
-from toothspace.core.registry import machine_type_names, optional_part
+from toothspace.core.registry import machine_type_names, optional_function
 
 if TYPE_CHECKING:
     from toothspace.case import Case
@@ -55,7 +55,7 @@ def geometry(
     for picture in plots:
         require_writable(picture, "--plot", replace=force, endings=_PICTURES)
     from toothspace import api
-    from toothspace.results.machine_tables import save_tables, save_tables_txt
+    from toothspace.results.file_layout import save_tables, save_tables_txt
 
     with named(case_file):
         description = api.describe(case)
@@ -94,13 +94,14 @@ def _put(folder: Path, option: str, force: bool, write: Callable[[Path], object]
 
 
 def _export(case: Case, suffix: str, *, force: bool) -> None:
-    part = optional_part(case.machine_type, "export")
-    if part is None:
-        allowed = ", ".join(n for n in machine_type_names() if optional_part(n, "export"))
+    export = optional_function(case.machine_type, "export_profiles")
+    if export is None:
+        names = machine_type_names()
+        allowed = ", ".join(name for name in names if optional_function(name, "export_profiles"))
         raise CaseError("--export", f"machine type {case.machine_type!r}", allowed)
 
     def write(place: Path) -> None:
-        part.export_profiles(case.machine_spec, place / case.name, suffix)
+        export(case.machine_spec, place / case.name, suffix)
 
     for path in _put(Path(), "--export", force, write):
         output.message(f"Profile: {path}")
@@ -176,7 +177,7 @@ def gear(
         if one.detected.involute is not None
     }
     if plot is not None and fits:
-        from toothspace.plotting.flank_deviation import flank_deviation
+        from toothspace.plotting.geometry import flank_deviation
         from toothspace.plotting.style import save_figure
 
         save_figure(flank_deviation(fits), plot)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from toothspace.cli import output
-from toothspace.cli.options import NUMERICAL_FAILURE, Force, Json
+from toothspace.cli.output import NUMERICAL_FAILURE, Force, Json
 from toothspace.core.errors import CaseError
 from toothspace.core.files import require_writable
 
@@ -36,7 +36,7 @@ def report(
     """Write the report of a result: a self-contained HTML page or a PDF document."""
     from toothspace.core.signals import column_names, read_columns
     from toothspace.report import ENDINGS, write_report
-    from toothspace.results.io import load_solution
+    from toothspace.results.solution import load_solution
 
     target = require_writable(
         page or result.with_suffix(".html"), "-o", replace=force, endings=ENDINGS
@@ -64,7 +64,7 @@ def compare(
         None if page is None else require_writable(page, "-o", replace=force, endings=(".html",))
     )
     from toothspace.report.comparison import Comparison
-    from toothspace.results.io import load_solution
+    from toothspace.results.solution import load_solution
 
     comparison = Comparison(load_solution(first), load_solution(second))
     if as_json:
@@ -123,8 +123,7 @@ def app(
         raise CaseError(folder, "no folder", "one with case files")
     import webbrowser
 
-    from toothspace.app.server import FormServer
-    from toothspace.app.session import Session
+    from toothspace.app.server import FormServer, Session
 
     with FormServer(Session(folder), port) as server:
         output.message(f"Open {server.address}\nEnd with Ctrl-C.")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toothspace.cli import output
-from toothspace.cli.options import (
+from toothspace.cli.output import (
     BAD_INPUT,
     INTERRUPTED,
     NUMERICAL_FAILURE,
@@ -81,7 +81,7 @@ def run(
     )
     from toothspace import api
     from toothspace.core.finding import status_line
-    from toothspace.run.interfaces import unused_tables
+    from toothspace.run.run import unused_tables
 
     Thread(target=_load_ahead, daemon=True).start()
     try:
@@ -147,7 +147,7 @@ def study(
 ) -> int:
     """Run the study of a case: many runs with one question."""
     case = load(case_file, overrides)
-    from toothspace.studies.registry import run_study
+    from toothspace.studies.study import run_study
 
     folder = folder or Path(f"{case_file.stem}_study")
     if folder.exists() and not folder.is_dir():

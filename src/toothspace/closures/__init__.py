@@ -6,9 +6,7 @@ Every function has its equation, units, validity and source, and is what the sim
 module               responsibility
 ==================== ==========================================================
 fluid_law            constants of one fluid at one temperature
-density              equation of state of liquid, free gas and vapour
-bulk_modulus         stiffness of the liquid
-vapour_pressure      over temperature
+density              equation of state of liquid, free gas and vapour; stiffness, vapour pressure
 enthalpy             energy per mass, exact for the equation of state
 aeration             release, absorption and volume of gas; vapour
 viscosity            over temperature and pressure
@@ -19,17 +17,13 @@ accumulator          gas charge
 line_friction        unsteady and turbulent friction in lines
 bearing_map          journal bearing without a grid: force with derivatives
 journal_friction     its torque, and friction over the Sommerfeld number
-friction             start, and its fading into that of running
-set_valued_friction  dry friction with a true state of rest
+friction             start, its fading into that of running, a true state of rest
 traction             film thickness and friction of tooth flanks
 contact_cylindrical  pressure and force of curved contacts
-contact_law          elastic laws with energy, damping of impacts
-squeeze_film         film squeezed out of a line contact
-contact_rough        pressure and real area of touching asperities
-contact_asperities   the same by statistics of summits
+contact_law          elastic laws with energy, damping of impacts, squeezed films
+contact_rough        pressure and real area of touching asperities, also by statistics of summits
 flow_factors         rough surfaces in thin films
 heat_transfer        heat between oil and walls
 smooth               rounded corners for time integration
-exponential          for compiled loops over vectors
 ==================== ==========================================================
 """

@@ -276,3 +276,74 @@ def dowson_higginson_density(pressure: Any, reference_density: Any) -> Any:
     .. [1] D. Dowson, G. R. Higginson, *Elasto-Hydrodynamic Lubrication*, Pergamon, 1966.
     """
     return reference_density * (0.59e9 + 1.34 * pressure) / (0.59e9 + pressure)
+
+
+@inlined
+def liquid_bulk_modulus(pressure: Any, law: FluidLaw) -> Any:
+    r"""Bulk modulus of the liquid without gas.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Absolute pressure. [Pa]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Bulk modulus. [Pa]
+
+    Notes
+    -----
+    .. math:: K = (1 + b p) [1 + (a + b) p] / a
+
+    the derivative of :func:`toothspace.closures.density.liquid_specific_volume`. Validity: 0 to
+    100 MPa, isothermal.
+
+    References
+    ----------
+    .. [1] H. E. Merritt, *Hydraulic Control Systems*, Wiley, 1967, chapter 2 (textbook law:
+       definition of the bulk modulus).
+    """
+    a, b, p = law.compliance, law.stiffening, pressure
+    return (1.0 + b * p) * (1.0 + (a + b) * p) / a
+
+
+def clausius_clapeyron_pressure(
+    temperature: Any,
+    reference_pressure: Any,
+    reference_temperature: Any,
+    evaporation_temperature: Any,
+) -> Any:
+    r"""Vapour pressure of a liquid with constant heat of evaporation.
+
+    Parameters
+    ----------
+    temperature : float or ndarray
+        Absolute temperature. [K]
+    reference_pressure : float or ndarray
+        Vapour pressure at the reference temperature. [Pa]
+    reference_temperature : float or ndarray
+        Absolute temperature at which the vapour pressure is known. [K]
+    evaporation_temperature : float or ndarray
+        Heat of evaporation over specific gas constant of the vapour. [K]
+
+    Returns
+    -------
+    float or ndarray
+        Absolute vapour pressure. [Pa]
+
+    Notes
+    -----
+    .. math:: p_v = p_r \exp\left[-T_e \left(\frac{1}{T} - \frac{1}{T_r}\right)\right]
+
+    Validity: far below the critical temperature, some tens of kelvin about the reference.
+
+    References
+    ----------
+    .. [1] M. J. Moran, H. N. Shapiro, *Fundamentals of Engineering Thermodynamics*, Wiley,
+       chapter 11 (textbook law: Clausius and Clapeyron).
+    """
+    inverse = 1.0 / temperature - 1.0 / reference_temperature
+    return reference_pressure * np.exp(-evaporation_temperature * inverse)

@@ -6,11 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.core.compiled import inlined  # sets the cache folder before numba loads
-
-# isort: split
-from numba import types
-from numba.extending import overload
+from toothspace.core.compiled import inlined, stand_in
 
 
 def select(condition: Any, if_true: Any, if_false: Any) -> Any:
@@ -42,9 +38,9 @@ def select(condition: Any, if_true: Any, if_false: Any) -> Any:
     return np.where(condition, if_true, if_false)[()]
 
 
-@overload(select, strict=False)
+@stand_in(select)
 def _select_compiled(condition: Any, if_true: Any, if_false: Any) -> Any:
-    if isinstance(condition, types.Array):
+    if hasattr(condition, "ndim"):
         return lambda condition, if_true, if_false: np.where(condition, if_true, if_false)
     return lambda condition, if_true, if_false: if_true if condition else if_false
 

@@ -4,14 +4,12 @@
 module      responsibility
 =========== ==========================================================
 types       array aliases
-constants   physical constants and reference states
 errors      exceptions that a user sees as one line
-status      outcome of a run, with advice
-units       quantities with units in text, converted to SI
+status      outcome of a run, with advice, and what happened in it
+units       quantities with units in text, converted to SI; physical constants
 signals     columns of CSV files in SI units
-files       files that are complete or not there
+files       files that are complete or not there, arrays kept between runs
 netcdf      datasets as NetCDF files with a checksum
-array_store named arrays kept between runs
 processes   processes that compute for another one
 interrupts  signals that end the program, held while files are written
 registry    machine types found by name (built in or entry points)

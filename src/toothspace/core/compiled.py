@@ -6,10 +6,16 @@ what they do.
 
 from __future__ import annotations
 
-from toothspace.core.compilation.cache import cache_root, digest_of_sources
-from toothspace.core.compilation.decorators import inlined, kernel, merged, njit
+from toothspace.core.compilation.decorators import (
+    inlined,
+    kernel,
+    merged,
+    njit,
+    passed_by_address,
+    stand_in,
+)
 from toothspace.core.compilation.notice import compile_seconds
-from toothspace.core.compilation.records import passed_by_address
+from toothspace.core.compilation.sources import cache_root, digest_of_sources
 
 __all__ = [
     "cache_root",
@@ -20,4 +26,5 @@ __all__ = [
     "merged",
     "njit",
     "passed_by_address",
+    "stand_in",
 ]

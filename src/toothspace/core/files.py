@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import reprlib
@@ -44,7 +45,11 @@ def draft_of(target: str | Path) -> Iterator[Path]:
     target, draft = Path(target), None
     try:
         with interrupts_held():
-            draft = _new_draft(target)
+            handle, name = tempfile.mkstemp(
+                dir=target.parent, prefix=f".{target.name[:_LONGEST_PREFIX]}.", suffix=".part"
+            )
+            os.close(handle)
+            draft = Path(name)
         yield draft
         with draft.open("rb") as file:
             # a network disk may say only now that it is full
@@ -57,16 +62,10 @@ def draft_of(target: str | Path) -> Iterator[Path]:
         raise
 
 
-def _new_draft(target: Path) -> Path:
-    handle, name = tempfile.mkstemp(
-        dir=target.parent, prefix=f".{target.name[:_LONGEST_PREFIX]}.", suffix=".part"
-    )
-    os.close(handle)
-    return Path(name)
-
-
 def path_of(given: object, name: str, allowed: str) -> Path:
     """Return a text or path as a path.
+
+    Raises CaseError if it is anything else.
 
     Parameters
     ----------
@@ -74,11 +73,6 @@ def path_of(given: object, name: str, allowed: str) -> Path:
         What it is the path of, for messages.
     allowed : str
         What may be given, for messages.
-
-    Raises
-    ------
-    CaseError
-        If it is anything else.
     """
     if not isinstance(given, (str, os.PathLike)):
         raise CaseError(name, reprlib.repr(given), allowed)
@@ -88,6 +82,8 @@ def path_of(given: object, name: str, allowed: str) -> Path:
 def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
     """Return the content of an ordinary file, neither a folder, a pipe nor a device.
 
+    Raises CaseError if it is missing, no ordinary file, larger or unreadable.
+
     Parameters
     ----------
     label : str
@@ -96,11 +92,6 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
         What it should be, for messages.
     most : int
         Largest size. [byte]
-
-    Raises
-    ------
-    CaseError
-        If it is missing, no ordinary file, larger or unreadable.
     """
     try:
         if not path.is_file() and path.exists():
@@ -163,10 +154,7 @@ def write_whole(file: FileIO, content: memoryview | bytes) -> None:
 def require_ending(target: Path, label: str, endings: tuple[str, ...]) -> None:
     """Refuse a file name whose ending promises another format than what is written.
 
-    Raises
-    ------
-    CaseError
-        If its ending is none of those given.
+    Raises CaseError if its ending is none of those given.
     """
     if target.suffix.lower() not in endings:
         found = f"the ending {target.suffix!r}" if target.suffix else "a name without ending"
@@ -175,6 +163,9 @@ def require_ending(target: Path, label: str, endings: tuple[str, ...]) -> None:
 
 def require_writable(target: Path, option: str, *, replace: bool, endings: tuple[str, ...]) -> Path:
     """Return a file that can be written; nothing is left behind.
+
+    Raises CaseError if it is a folder, its folder is missing or refuses files, its name is too
+    long, it exists and must be kept, or it has another ending.
 
     Parameters
     ----------
@@ -186,12 +177,6 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
         Whether a file that exists may be replaced.
     endings : tuple of str
         Endings of the formats that are written, as ``.nc``.
-
-    Raises
-    ------
-    CaseError
-        If it is a folder, its folder is missing or refuses files, its name is too long, it
-        exists and must be kept, or it has another ending.
     """
     try:
         if target.is_dir():
@@ -235,3 +220,53 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
+
+
+_DIGEST = "digest"
+
+
+def load_arrays(path: Path) -> dict[str, Any] | None:
+    """Return the arrays of a file by name; None if it is missing, damaged or another's."""
+    import numpy as np
+
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
+            arrays = {name: data[name] for name in data.files}
+        kept = arrays.pop(_DIGEST)
+    except Exception:  # a damaged file fails anywhere in the libraries below
+        return None
+    return arrays if kept.tobytes() == _digest(arrays).tobytes() else None
+
+
+def save_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
+    """Write arrays by name to a file that is complete or not there; a full disk is no error."""
+    import numpy as np
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with draft_of(path) as draft, draft.open("wb") as file:
+            np.savez(file, **{**arrays, _DIGEST: _digest(arrays)})
+    except OSError:
+        return
+
+
+def keep_arrays(path: Path, arrays: Mapping[str, Any], most_files: int) -> None:
+    """Save arrays in a folder of at most so many files, of which the oldest are forgotten."""
+    files = list(path.parent.glob("*.npz"))
+    if len(files) >= most_files:
+        # another process may forget the same files
+        files.sort(key=lambda file: file.stat().st_mtime if file.exists() else 0.0)
+        for oldest in files[: most_files // 10]:
+            oldest.unlink(missing_ok=True)
+    save_arrays(path, arrays)
+
+
+def _digest(arrays: Mapping[str, Any]) -> Any:
+    import numpy as np
+
+    digest = hashlib.sha256()
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        digest.update(f"{name} {array.dtype.str} {np.shape(arrays[name])}".encode())
+        digest.update(array.tobytes())
+    return np.frombuffer(digest.digest(), dtype=np.uint8)

@@ -1,10 +1,13 @@
-"""Sequences and mappings that are computed on first use."""
+"""Sequences and mappings that are computed on first use, and packages that a user may lack."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TypeVar, final, overload
+from importlib import import_module
+from typing import Any, TypeVar, final, overload
+
+from toothspace.core.errors import GeometryError
 
 _Item = TypeVar("_Item")
 
@@ -62,3 +65,22 @@ class LazyMapping(Mapping[str, object]):
 
     def __len__(self) -> int:
         return len(self._values)
+
+
+def package_of_extra(name: str, extra: str, use: str) -> Any:
+    """Import a package that the lean installation leaves out.
+
+    Raises GeometryError if it is missing: how to install it.
+
+    Parameters
+    ----------
+    extra : str
+        Extra that brings it.
+    use : str
+        What asks for it, to begin the message.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        needed = f'allowed after pip install "toothspace[{extra}]"'
+        raise GeometryError(f"{use} but not the package for it, {needed}") from error

@@ -36,10 +36,7 @@ def load_linear_algebra() -> None:
     ends the process by itself or asks without end, so nothing is loaded unless they fit. With twice
     as much at hand the libraries are left to those who need them.
 
-    Raises
-    ------
-    MemoryError
-        If they do not fit.
+    Raises MemoryError if they do not fit.
     """
     cores = os.cpu_count() or 1
     named = (os.environ.get(f"{name}_NUM_THREADS", "") for name in ("OPENBLAS", "OMP"))

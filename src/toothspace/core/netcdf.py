@@ -44,26 +44,16 @@ _WRITE_LOCK = RLock()
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset to one NetCDF file that is complete or not there; returns its path.
 
+    Raises OSError if the file cannot be written whole, as on a full disk.
+
     Parameters
     ----------
     path : str or Path
         File to create or replace; its folder is made if it is missing.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written whole, as on a full disk.
     """
     target = path_of(path, "result", "a file to write")
     target.parent.mkdir(parents=True, exist_ok=True)
-    content = _as_bytes(dataset)
-    seal = _SEAL + _checksum(BytesIO(content), len(content))
-    with interrupts_held():
-        return write_bytes(target, content + seal)
-
-
-def _as_bytes(dataset: xr.Dataset) -> bytes:
-    """Content of a NetCDF file; its data are arrays in memory or on disk."""
+    # content of a NetCDF file; its data are arrays in memory or on disk
     from xarray.backends import H5NetCDFStore
 
     # the HDF5 library ends the process where a disk refuses a write, so it writes into memory;
@@ -74,11 +64,16 @@ def _as_bytes(dataset: xr.Dataset) -> bytes:
         dataset.dump_to_store(store)
     finally:
         store.close()
-    return buffer.getvalue()
+    content = buffer.getvalue()
+    seal = _SEAL + _checksum(BytesIO(content), len(content))
+    with interrupts_held():
+        return write_bytes(target, content + seal)
 
 
 def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset:
     """Read a NetCDF file into memory, labels as text.
+
+    Raises CaseError if the file cannot be read as NetCDF, or is not as it was written.
 
     Parameters
     ----------
@@ -86,11 +81,6 @@ def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset
         The file.
     allowed : str
         What the file should be, for messages.
-
-    Raises
-    ------
-    CaseError
-        If the file cannot be read as NetCDF, or is not as it was written.
     """
     import xarray as xr
 
@@ -105,11 +95,16 @@ def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset
     unreadable = CaseError(path, "a file that cannot be read as one", allowed)
     try:
         if intact or _is_readable(place):
-            return _with_text(
-                xr.load_dataset(
-                    place, engine="h5netcdf", decode_times=False, decode_timedelta=False
-                )
+            dataset = xr.load_dataset(
+                place, engine="h5netcdf", decode_times=False, decode_timedelta=False
             )
+            for name in dataset.variables:
+                if dataset[name].dtype.kind not in _NUMBERS:
+                    text = dataset[name].astype(str)
+                    dataset[name] = (text.dims, text.values.astype(str), dataset[name].attrs)
+                dataset[name].encoding = {}
+            dataset.encoding = {}
+            return dataset
     except Exception as error:  # HDF5 without the layout of NetCDF fails anywhere in the libraries
         raise unreadable from error
     raise unreadable
@@ -140,13 +135,3 @@ def _checksum(file: IO[bytes], size: int) -> bytes:
     for begin in range(0, size, _PART):
         digest.update(file.read(min(_PART, size - begin)))
     return digest.digest()
-
-
-def _with_text(dataset: xr.Dataset) -> xr.Dataset:
-    for name in dataset.variables:
-        if dataset[name].dtype.kind not in _NUMBERS:
-            text = dataset[name].astype(str)
-            dataset[name] = (text.dims, text.values.astype(str), dataset[name].attrs)
-        dataset[name].encoding = {}
-    dataset.encoding = {}
-    return dataset

@@ -16,6 +16,8 @@ from toothspace.core.errors import CaseError
 ENTRY_POINT_GROUP = "toothspace.machines"
 STUDIES = "toothspace.studies"
 """Package of the studies, and group of entry points."""
+OPTIONAL = {"export_profiles": "cad", "draft_case": "cad", "evaluate_designs": "designs"}
+"""Functions that not all machine types have, and the module of its package that holds each."""
 
 
 @final
@@ -62,10 +64,7 @@ def machine_type_names() -> list[str]:
 def machine_type(name: str) -> Any:
     """Return the machine type of a name.
 
-    Raises
-    ------
-    CaseError
-        If no installed package provides it.
+    Raises CaseError if no installed package provides it.
     """
     modules = machine_modules()
     if name in modules:
@@ -74,19 +73,10 @@ def machine_type(name: str) -> Any:
     raise CaseError("machine.type", f"{name!r}", allowed)
 
 
-def optional_part(name: str, part: str) -> Any:
-    """Return the module of a machine type that not all have, None without.
-
-    Parameters
-    ----------
-    name : str
-        Machine type.
-    part : str
-        ``export`` with a function ``export_profiles``, ``case_draft`` with ``draft_case`` or
-        ``designs`` with ``evaluate_designs``.
-    """
-    module = f"{machine_modules()[name]}.{part}"
-    return import_module(module) if find_spec(module) else None
+def optional_function(name: str, function: str) -> Any:
+    """Return a function of :data:`OPTIONAL` of a machine type, None if it has none."""
+    module = f"{machine_modules()[name]}.{OPTIONAL[function]}"
+    return getattr(import_module(module), function, None) if find_spec(module) else None
 
 
 @cache
@@ -94,7 +84,7 @@ def machine_modules() -> dict[str, str]:
     """Return the package that provides each machine type, by name.
 
     The package holds a module ``parameters`` with the class ``PARAMETERS`` of its case keys, and
-    the modules of :func:`optional_part`.
+    the functions of :data:`OPTIONAL`.
     """
     folder = Path(__file__).resolve().parent.parent / "machines"
     built_in = {
@@ -139,12 +129,15 @@ STUDY_KEYS = Declared(
 VIEWS: Mapping[str, str] = {
     "case": "toothspace.api:case_of",
     "machine": "toothspace.api:machine_of",
+    "describe": "toothspace.api:describe",
     "findings": "toothspace.advice.findings:findings_of",
     "figures": "toothspace.plotting.catalogue:available_figures",
+    "machine_figure": "toothspace.plotting.catalogue:machine_figure",
     "report": "toothspace.report:write_report",
     "card": "toothspace.report.card:solution_card",
+    "case_card": "toothspace.report.card:case_card",
 }
-"""Functions of a solution in rooms above the results, which therefore import none of them."""
+"""Functions of a case or a solution in rooms above them, which they therefore do not import."""
 
 
 def view(name: str) -> Any:

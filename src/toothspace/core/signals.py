@@ -22,22 +22,16 @@ _HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
 def read_columns(path: Path, wanted: Mapping[str, str]) -> dict[str, Array]:
     """Read the wanted columns of a CSV file in SI units.
 
+    Values in SI units, shape (rows,).
+
+    Raises CaseError if a column is missing, has another dimension, or holds something not finite.
+
     Parameters
     ----------
     path : Path
         File with a header of ``name [unit]``, separated by commas or semicolons.
     wanted : mapping of name to unit
         Columns that must be there, with a unit of their dimension, ``1`` for none.
-
-    Returns
-    -------
-    dict of name to ndarray, shape (rows,)
-        Values in SI units.
-
-    Raises
-    ------
-    CaseError
-        If a column is missing, has another dimension, or holds something not finite.
     """
     rows = read_rows(path)
     names = _names(rows)
@@ -47,10 +41,7 @@ def read_columns(path: Path, wanted: Mapping[str, str]) -> dict[str, Array]:
 def column_names(path: Path) -> list[str]:
     """Return the names of the columns of a CSV file that have a unit.
 
-    Raises
-    ------
-    CaseError
-        If it is no CSV file.
+    Raises CaseError if it is no CSV file.
     """
     return list(_names(read_rows(path)))
 
@@ -58,10 +49,7 @@ def column_names(path: Path) -> list[str]:
 def read_rows(path: Path) -> list[list[str]]:
     """Return the cells of a CSV file, separated by commas or semicolons, without empty rows.
 
-    Raises
-    ------
-    CaseError
-        If it is no CSV file.
+    Raises CaseError if it is no CSV file.
     """
     allowed = "a CSV file in UTF-8"
     try:
@@ -113,10 +101,7 @@ def require_unit(path: Path, name: str, unit: str, wanted: str) -> None:
 def read_number(path: Path, row: list[str], place: int, name: str) -> float:
     """Return the number of a column in a row. [unit of the column].
 
-    Raises
-    ------
-    CaseError
-        If it is none, or not finite.
+    Raises CaseError if it is none, or not finite.
     """
     try:
         value = float(row[place])
@@ -131,17 +116,14 @@ def read_number(path: Path, row: list[str], place: int, name: str) -> float:
 def read_grid(path: Path, units: Mapping[str, str]) -> tuple[Array, Array, Array]:
     """Read a table over two axes, each pair of their values once.
 
+    Values of both axes, and the table over them. [SI]
+
     Parameters
     ----------
     path : Path
         CSV file with three columns.
     units : mapping of str to str
         Columns and units of their dimensions: both axes, then the values.
-
-    Returns
-    -------
-    tuple of ndarray
-        Values of both axes, and the table over them. [SI]
 
     Raises
     ------
@@ -167,17 +149,14 @@ def read_grid(path: Path, units: Mapping[str, str]) -> tuple[Array, Array, Array
 def read_signal(path: Path, name: str, unit: str) -> Array:
     """Read one signal over time; times must increase.
 
+    Time [s] and signal [SI], shape (rows, 2).
+
     Parameters
     ----------
     path : Path
         CSV file with the columns ``time [s]`` and the signal.
     name, unit : str
         Column of the signal and a unit of its dimension.
-
-    Returns
-    -------
-    ndarray, shape (rows, 2)
-        Time [s] and signal [SI].
 
     Raises
     ------

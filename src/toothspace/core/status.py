@@ -1,8 +1,9 @@
-"""Outcome of a run."""
+"""Outcome of a run, and what happened in it."""
 
 from __future__ import annotations
 
 from enum import Enum
+from typing import NamedTuple
 
 
 class Status(Enum):
@@ -51,3 +52,16 @@ class Status(Enum):
     def succeeded(self) -> bool:
         """Whether the run did what was asked."""
         return self is Status.DONE
+
+
+class Event(NamedTuple):
+    """Something that happened during a run."""
+
+    shaft_angle: float
+    """Shaft angle. [rad]"""
+    time: float
+    """Time. [s]"""
+    kind: str
+    """For example ``cavitation_onset``, ``contact_change`` or ``body_at_stop``."""
+    label: str
+    """Chamber, contact or body concerned."""

@@ -15,6 +15,16 @@ from typing import Any, final
 
 from toothspace.core.errors import CaseError
 
+ATMOSPHERIC_PRESSURE = 101325.0
+"""Standard atmosphere, reference of free and dissolved air fractions. [Pa]"""
+
+ZERO_CELSIUS = 273.15
+"""Ice point. [K]"""
+
+AIR_GAS_CONSTANT = 287.05
+"""Specific gas constant of dry air. [J/(kg K)]"""
+
+
 _DEFINITIONS = """\
 milli- = 1e-3 = m-
 micro- = 1e-6 = u- = µ- = μ-
@@ -134,17 +144,14 @@ def dimension_name(unit: str) -> str:
 def to_si(value: float, unit: str) -> float:
     """Convert a number in a unit to SI base units (angles in rad).
 
+    The same quantity. [SI unit]
+
     Parameters
     ----------
     value : float
         Number. [unit]
     unit : str
         Unit as written in a case file, for example ``"cm^3/rev"``.
-
-    Returns
-    -------
-    float
-        The same quantity. [SI unit]
 
     Examples
     --------
@@ -254,10 +261,7 @@ def as_text(raw: Any) -> Any:
 def split_quantity(text: str) -> tuple[float, str]:
     """Split a text such as ``"2.75 mm"`` into its number and its unit.
 
-    Raises
-    ------
-    CaseError
-        If it is no finite number with a known unit.
+    Raises CaseError if it is no finite number with a known unit.
     """
     match = _matched(text)
     if match is None or not match[2] or not math.isfinite(float(match[1])):
@@ -290,6 +294,10 @@ def is_quantity(value: object) -> bool:
 def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
     """Read a number with a unit, such as ``"2.75 mm"``.
 
+    The quantity. [SI unit]
+
+    Raises CaseError if the text is no finite number with a unit of that dimension.
+
     Parameters
     ----------
     text : str
@@ -299,16 +307,6 @@ def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
         a volume, then per revolution.
     allowed : str
         What the message says is allowed; by default the dimension and an example.
-
-    Returns
-    -------
-    float
-        The quantity. [SI unit]
-
-    Raises
-    ------
-    CaseError
-        If the text is no finite number with a unit of that dimension.
     """
     example = allowed or f"{dimension_name(unit)} with its unit, such as '1 {unit}'"
     match = _matched(text)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol, final
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 import shapely
 
 from toothspace.core.types import BoolArray, IntArray
@@ -84,7 +84,7 @@ class Support:
         centre, _ = mesh.face_frames()
         return looks(mesh, self.side) & shapely.contains_xy(self.region, *centre[:, :2].T)
 
-    def springs(self, mesh: SolidMesh) -> sp.csr_matrix:
+    def springs(self, mesh: SolidMesh) -> scipy.sparse.csr_matrix:
         """Stiffness of the foundation, without held directions. [N/m]."""
         points = face_points(mesh, self.faces(mesh))
         area = np.linalg.norm(points.push, axis=1)
@@ -98,7 +98,7 @@ class Support:
         rows = np.broadcast_to(unknown[:, :, :, None, None], block.shape)
         columns = np.broadcast_to(unknown[:, None, None, :, :], block.shape)
         entries = (block.ravel(), (rows.ravel(), columns.ravel()))
-        return sp.csr_matrix(entries, shape=(mesh.unknowns, mesh.unknowns))
+        return scipy.sparse.csr_matrix(entries, shape=(mesh.unknowns, mesh.unknowns))
 
     def held(self, mesh: SolidMesh) -> IntArray:
         """Unknowns that the foundation holds; on inclined faces all directions are held."""

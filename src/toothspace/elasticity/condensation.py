@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple, final
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.linalg.blas import dgemm, dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf
+import scipy
 
 from toothspace.core.compiled import njit
 from toothspace.core.errors import GeometryError
@@ -20,7 +18,10 @@ from toothspace.core.types import Array, BoolArray, IntArray
 
 
 def flexibility(
-    stiffness: sp.csr_matrix, nodes: Array, loads: sp.csc_matrix, fixed: IntArray
+    stiffness: scipy.sparse.csr_matrix,
+    nodes: Array,
+    loads: scipy.sparse.csc_matrix,
+    fixed: IntArray,
 ) -> Array:
     r"""Work of every load on the displacement by every other, :math:`F^T K^{-1} F`.
 
@@ -54,7 +55,7 @@ def flexibility(
     blocks = stiffness.tobsr(blocksize=(3, 3))
     blocks.sort_indices()
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
-    graph = sp.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    graph = scipy.sparse.csr_matrix(joined, shape=(len(nodes), len(nodes)))
     parts = _planned(dissect(nodes, graph), graph, rows)
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
@@ -76,8 +77,8 @@ def flexibility(
 
 
 def _held(
-    stiffness: sp.csr_matrix, loads: sp.csr_matrix, fixed: IntArray
-) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    stiffness: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix, fixed: IntArray
+) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
     """Decouple held unknowns and drop their loads."""
     if not fixed.size:
         return stiffness, loads
@@ -89,7 +90,7 @@ def _held(
     # the diagonal stays, and with it the pattern of 3 x 3 blocks
     own = (rows == held.indices) & (keep[rows] == 0.0)
     held.data[own] = stiffness.data[own]
-    return held, (sp.diags(keep) @ loads).tocsr()
+    return held, (scipy.sparse.diags(keep) @ loads).tocsr()
 
 
 class _EliminationPart(NamedTuple):
@@ -106,7 +107,7 @@ class _EliminationPart(NamedTuple):
 
 
 def _planned(
-    tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix
+    tree: list[Separator], graph: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix
 ) -> list[_EliminationPart]:
     """What every front holds."""
     parts: list[_EliminationPart] = []
@@ -202,7 +203,7 @@ def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Arr
 
 def _assemble(
     part: _EliminationPart,
-    system: tuple[sp.csr_matrix, sp.csr_matrix],
+    system: tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix],
     place: IntArray,
     front: _Front,
 ) -> None:
@@ -272,7 +273,7 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
     count, outer, loads = part.sizes
     if not count:
         return front
-    lower, info = dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
+    lower, info = scipy.linalg.lapack.dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
     if info != 0:
         raise GeometryError(
             "elastic body",
@@ -281,13 +282,17 @@ def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
         )
     below, rest, own, passed = front[1:]
     if outer:
-        below = dtrsm(1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1)
-        rest = dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
+        below = scipy.linalg.blas.dtrsm(
+            1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1
+        )
+        rest = scipy.linalg.blas.dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
     if loads:
-        own = dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
-        total[np.ix_(part.columns, part.columns)] += dsyrk(1.0, own, lower=1)
+        own = scipy.linalg.blas.dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
+        total[np.ix_(part.columns, part.columns)] += scipy.linalg.blas.dsyrk(1.0, own, lower=1)
     if outer and loads:
-        passed = dgemm(-1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1)
+        passed = scipy.linalg.blas.dgemm(
+            -1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1
+        )
     return _Front(lower, below, rest, own, passed)
 
 
@@ -306,7 +311,7 @@ class Separator(NamedTuple):
     children: tuple[int, ...]
 
 
-def dissect(nodes: Array, graph: sp.csr_matrix) -> list[Separator]:
+def dissect(nodes: Array, graph: scipy.sparse.csr_matrix) -> list[Separator]:
     """Parts of a nested dissection in the order of elimination.
 
     Parameters
@@ -352,7 +357,7 @@ class _Cut(NamedTuple):
 
 
 def _halves(
-    part: IntArray, nodes: Array, graph: sp.csr_matrix, mark: BoolArray
+    part: IntArray, nodes: Array, graph: scipy.sparse.csr_matrix, mark: BoolArray
 ) -> tuple[IntArray, IntArray, IntArray] | None:
     """Two halves and the nodes of the one that touch the other; None if nothing cuts them."""
     place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))
@@ -381,8 +386,8 @@ def _reach(
     start, column = graph
     lowest, highest = reach
     for k in range(part.size):
-        lowest[k] = nodes[part[k]]
-        highest[k] = nodes[part[k]]
+        for axis in range(3):
+            lowest[k, axis] = highest[k, axis] = nodes[part[k], axis]
         for j in range(start[part[k]], start[part[k] + 1]):
             if mark[column[j]]:
                 for axis in range(3):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity.mesh import SolidMesh
 
@@ -28,7 +28,7 @@ _A, _B = 0.5854101966249685, 0.1381966011250105
 _TET_POINTS = np.array([(_B, _B, _B), (_A, _B, _B), (_B, _A, _B), (_B, _B, _A)])
 
 
-_BATCH = 8192
+_BATCH = 1024
 """Elements whose matrices are held at a time."""
 
 
@@ -80,84 +80,52 @@ HEX_VALUES, HEX_SLOPES, HEX_BUBBLES = _hex_tables()
 TET_VALUES, TET_SLOPES = _tet_tables()
 
 
-@inlined
-def _jacobian(slopes: Array, corners: Array, inverse: Array) -> float:
+def _jacobians(slopes: Array, corners: Array) -> tuple[Array, Array]:
     """Inverse of the derivative of place with the local coordinates, and its determinant."""
-    j = slopes @ corners
-    d0 = j[1, 1] * j[2, 2] - j[1, 2] * j[2, 1]
-    d1 = j[1, 2] * j[2, 0] - j[1, 0] * j[2, 2]
-    d2 = j[1, 0] * j[2, 1] - j[1, 1] * j[2, 0]
-    det = j[0, 0] * d0 + j[0, 1] * d1 + j[0, 2] * d2
-    inverse[0, 0], inverse[1, 0], inverse[2, 0] = d0 / det, d1 / det, d2 / det
-    inverse[0, 1] = (j[0, 2] * j[2, 1] - j[0, 1] * j[2, 2]) / det
-    inverse[1, 1] = (j[0, 0] * j[2, 2] - j[0, 2] * j[2, 0]) / det
-    inverse[2, 1] = (j[0, 1] * j[2, 0] - j[0, 0] * j[2, 1]) / det
-    inverse[0, 2] = (j[0, 1] * j[1, 2] - j[0, 2] * j[1, 1]) / det
-    inverse[1, 2] = (j[0, 2] * j[1, 0] - j[0, 0] * j[1, 2]) / det
-    inverse[2, 2] = (j[0, 0] * j[1, 1] - j[0, 1] * j[1, 0]) / det
-    return det
+    derivative = slopes @ corners[:, None]
+    return np.asarray(np.linalg.inv(derivative)), np.asarray(np.linalg.det(derivative))
 
 
-@inlined
-def _strains(gradient: Array, strain: Array, first: int) -> None:
-    """Columns of the strain matrix for functions with given gradients."""
-    for a in range(gradient.shape[1]):
-        x, y, z = gradient[0, a], gradient[1, a], gradient[2, a]
-        k = first + 3 * a
-        strain[0, k], strain[1, k + 1], strain[2, k + 2] = x, y, z
-        strain[3, k + 1], strain[3, k + 2] = z, y
-        strain[4, k], strain[4, k + 2] = z, x
-        strain[5, k], strain[5, k + 1] = y, x
+def _strains(gradient: Array) -> Array:
+    """Columns of the strain matrix for functions with given gradients; last axis the functions."""
+    *batch, _, functions = gradient.shape
+    strain = np.zeros((*batch, 6, functions, 3))
+    x, y, z = (gradient[..., axis, :] for axis in range(3))
+    strain[..., 0, :, 0], strain[..., 1, :, 1], strain[..., 2, :, 2] = x, y, z
+    strain[..., 3, :, 1], strain[..., 3, :, 2] = z, y
+    strain[..., 4, :, 0], strain[..., 4, :, 2] = z, x
+    strain[..., 5, :, 0], strain[..., 5, :, 1] = y, x
+    return strain.reshape(*batch, 6, 3 * functions)
 
 
-@njit(nogil=True)
-def _hexahedra(
-    nodes: Array, elements: IntArray, law: Array, slopes: Array, bubbles: Array
-) -> Array:
-    count = elements.shape[0]
-    out = np.empty((count, 24, 24))
-    for e in range(count):
-        corners = np.empty((8, 3))
-        for a in range(8):
-            corners[a] = nodes[elements[e, a]]
-        middle, inverse = np.empty((3, 3)), np.empty((3, 3))
-        centre = _jacobian(slopes[8], corners, middle)
-        total = np.zeros((33, 33))
-        strain = np.zeros((6, 33))
-        for g in range(8):
-            det = _jacobian(slopes[g], corners, inverse)
-            _strains(inverse @ slopes[g], strain, 0)
-            # the modes vanish in the mean, so that constant strains are kept exactly
-            _strains(middle @ bubbles[g] * (centre / det), strain, 24)
-            total += strain.T @ (law @ strain) * det
-        coupling = np.ascontiguousarray(total[24:, :24])
-        inner = np.linalg.solve(np.ascontiguousarray(total[24:, 24:]), coupling)
-        out[e] = total[:24, :24] - coupling.T @ inner
-    return out
+def _summed(strain: Array, law: Array, weight: Array) -> Array:
+    """Stiffness of elements: strain matrices at all points times stresses and weights."""
+    count, points, _, unknowns = strain.shape
+    stress = (law @ strain) * weight[..., None, None]
+    rows = (count, 6 * points, unknowns)
+    return np.asarray(strain.reshape(rows).transpose(0, 2, 1) @ stress.reshape(rows))
 
 
-@njit(nogil=True)
-def _tetrahedra(nodes: Array, elements: IntArray, law: Array, slopes: Array) -> Array:
-    count = elements.shape[0]
-    out = np.empty((count, 30, 30))
-    for e in range(count):
-        corners = np.empty((10, 3))
-        for a in range(10):
-            corners[a] = nodes[elements[e, a]]
-        inverse = np.empty((3, 3))
-        total = np.zeros((30, 30))
-        strain = np.zeros((6, 30))
-        for g in range(4):
-            det = _jacobian(slopes[g], corners, inverse)
-            _strains(inverse @ slopes[g], strain, 0)
-            total += strain.T @ (law @ strain) * (det / 24.0)
-        out[e] = total
-    return out
+def _hexahedra(corners: Array, law: Array) -> Array:
+    middle, centre = _jacobians(HEX_SLOPES[8:], corners)
+    inverse, det = _jacobians(HEX_SLOPES[:8], corners)
+    # the modes vanish in the mean, so that constant strains are kept exactly
+    modes = middle @ HEX_BUBBLES[:8] * (centre / det)[..., None, None]
+    strain = np.concatenate([_strains(inverse @ HEX_SLOPES[:8]), _strains(modes)], axis=3)
+    total = _summed(strain, law, det)
+    coupling = total[:, 24:, :24]
+    inner = np.linalg.solve(total[:, 24:, 24:], coupling)
+    return np.asarray(total[:, :24, :24] - coupling.transpose(0, 2, 1) @ inner)
+
+
+def _tetrahedra(corners: Array, law: Array) -> Array:
+    inverse, det = _jacobians(TET_SLOPES, corners)
+    return _summed(_strains(inverse @ TET_SLOPES), law, det / 24.0)
 
 
 def stiffness_matrix(
     mesh: SolidMesh, elastic_modulus: float, poisson_ratio: float
-) -> sp.csr_matrix:
+) -> scipy.sparse.csr_matrix:
     """Stiffness of a mesh; three unknowns x, y, z per node. [N/m].
 
     References
@@ -172,15 +140,10 @@ def stiffness_matrix(
     values = np.zeros((column.size, 3, 3))
     for first in range(0, len(place), _BATCH):
         some = slice(first, first + _BATCH)
-        own = mesh.nodes, mesh.elements[some], law
-        hexahedra = width == 8
-        matrices = (
-            _hexahedra(*own, HEX_SLOPES, HEX_BUBBLES)
-            if hexahedra
-            else _tetrahedra(*own, TET_SLOPES)
-        )
+        corners = mesh.nodes[mesh.elements[some]]
+        matrices = _hexahedra(corners, law) if width == 8 else _tetrahedra(corners, law)
         _sum_blocks(matrices, place[some], values)
-    out = sp.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
+    out = scipy.sparse.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()
 
 

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import NamedTuple, final
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.linalg import cho_factor, cho_solve
+import scipy
 
-from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.compiled import cache_root
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import load_arrays, save_arrays
 from toothspace.core.progress import UNKNOWN, report_share
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity.body import ElasticBody
@@ -72,7 +71,7 @@ class InfluenceMatrix:
         place = np.flatnonzero(self.surface == names.index(surface))
         return slice(int(place[0]), int(place[-1]) + 1)
 
-    def interpolation(self, surface: str, points: Array) -> sp.csr_matrix:
+    def interpolation(self, surface: str, points: Array) -> scipy.sparse.csr_matrix:
         """Matrix from the nodes of a surface to points on it; its transpose gathers loads.
 
         Parameters
@@ -123,8 +122,8 @@ Well resolved, it is 0.5 on triangles and 0.25 on quadrilaterals.
 
 class _Columns(NamedTuple):
     # film loads per unit pressure coefficient, named loads, mass matrix of the hat functions
-    films: sp.csc_matrix
-    named: sp.csc_matrix
+    films: scipy.sparse.csc_matrix
+    named: scipy.sparse.csc_matrix
     gram: list[Array]
 
 
@@ -189,7 +188,7 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     center = np.asarray(masses[::3] @ mesh.nodes / mass)
     rigid = _rigid_motions(mesh.nodes - center)
     stiffness = stiffness_matrix(mesh, body.elastic_modulus, body.poisson_ratio)
-    loads = sp.hstack([columns.films, columns.named]).tocsc()
+    loads = scipy.sparse.hstack([columns.films, columns.named]).tocsc()
     if body.floating:
         work = _relieved(stiffness, mesh, loads, (masses, rigid))
     else:
@@ -224,10 +223,10 @@ def _columns(body: ElasticBody, mesh: SolidMesh) -> _Columns:
         forces, matrix = _film_columns(film, mesh)
         films.append(forces)
         gram.append(matrix)
-    return _Columns(sp.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
+    return _Columns(scipy.sparse.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
 
 
-def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[sp.csc_matrix, Array]:
+def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[scipy.sparse.csc_matrix, Array]:
     """Nodal forces of the hat pressures of a film, and the integrals of their products."""
     points = face_points(mesh, film.select(mesh), _FILM_ORDER)
     hats = film.interpolation(points.place)
@@ -235,8 +234,10 @@ def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[sp.csc_matrix, Ar
     rows = 3 * points.nodes[:, :, None] + np.arange(3)
     values = points.shape[:, :, None] * points.push[:, None, :]
     index = np.repeat(np.arange(count), 3 * width)
-    spread = sp.csr_matrix((values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, count))
-    area = sp.diags(np.linalg.norm(points.push, axis=1))
+    spread = scipy.sparse.csr_matrix(
+        (values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, count)
+    )
+    area = scipy.sparse.diags(np.linalg.norm(points.push, axis=1))
     gram = (hats.T @ area @ hats).toarray()
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     if np.linalg.eigvalsh(gram * np.outer(scale, scale))[0] < _WORST_GRAM:
@@ -264,12 +265,15 @@ def _rigid_motions(place: Array) -> Array:
 
 
 def _relieved(
-    stiffness: sp.csr_matrix, mesh: SolidMesh, loads: sp.csc_matrix, inertia: tuple[Array, Array]
+    stiffness: scipy.sparse.csr_matrix,
+    mesh: SolidMesh,
+    loads: scipy.sparse.csc_matrix,
+    inertia: tuple[Array, Array],
 ) -> Array:
     """Flexibility of a floating body; see :func:`influence_matrix`."""
     masses, rigid = inertia
     inert = masses[:, None] * rigid
-    extended = sp.hstack([loads, sp.csc_matrix(inert)]).tocsc()
+    extended = scipy.sparse.hstack([loads, scipy.sparse.csc_matrix(inert)]).tocsc()
     # six unknowns that hold a body without straining it
     first = int(np.argmin(mesh.nodes.sum(axis=1)))
     away = mesh.nodes - mesh.nodes[first]
@@ -292,8 +296,8 @@ def _relieved(
 
 
 def _supported(
-    body: ElasticBody, mesh: SolidMesh, stiffness: sp.csr_matrix
-) -> tuple[sp.csr_matrix, IntArray]:
+    body: ElasticBody, mesh: SolidMesh, stiffness: scipy.sparse.csr_matrix
+) -> tuple[scipy.sparse.csr_matrix, IntArray]:
     held: list[IntArray] = []
     for support in body.supports:
         if not support.faces(mesh).any():
@@ -308,7 +312,9 @@ def _solved(gram: list[Array], values: Array) -> Array:
     out, start = np.empty_like(values), 0
     for matrix in gram:
         stop = start + len(matrix)
-        out[start:stop] = cho_solve(cho_factor(matrix), values[start:stop])
+        out[start:stop] = scipy.linalg.cho_solve(
+            scipy.linalg.cho_factor(matrix), values[start:stop]
+        )
         start = stop
     return out
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import NamedTuple, final
 
 import numpy as np
+import scipy
 import shapely
-from scipy.spatial import Delaunay, cKDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.processes import program_named
@@ -77,7 +77,7 @@ def triangulate(
         _, _, inner = _clear_edges(boundary, edges, inner, split=False)
     points = np.vstack([boundary, inner])
     # triangles whose centre is in the region, counter-clockwise, without slivers
-    simplices = Delaunay(points).simplices
+    simplices = scipy.spatial.Delaunay(points).simplices
     centre = points[simplices].mean(axis=1)
     kept = simplices[shapely.contains_xy(whole, centre[:, 0], centre[:, 1])]
     a, b, c = (points[kept[:, k]] for k in range(3))
@@ -159,12 +159,12 @@ def _clear_edges(
         middle = boundary[edges].mean(axis=1)
         radius = 0.5 * np.hypot(*(boundary[edges[:, 0]] - boundary[edges[:, 1]]).T)
         if len(inner):
-            hits = cKDTree(inner).query_ball_point(middle, 1.001 * radius)
+            hits = scipy.spatial.cKDTree(inner).query_ball_point(middle, 1.001 * radius)
             dropped = np.unique(np.concatenate([np.asarray(h, dtype=int) for h in hits]))
             inner = np.delete(inner, dropped, axis=0)
         if not split:
             break
-        counts = cKDTree(boundary).query_ball_point(middle, (1.0 - 1e-9) * radius)
+        counts = scipy.spatial.cKDTree(boundary).query_ball_point(middle, (1.0 - 1e-9) * radius)
         crowded = np.array(
             [bool(set(near) - set(edge)) for near, edge in zip(counts, edges.tolist(), strict=True)]
         )
@@ -185,7 +185,7 @@ def _split(boundary: Array, edges: IntArray, chosen: BoolArray) -> tuple[Array, 
 def _smoothed(boundary: Array, inner: Array) -> Array:
     """Move inner points to the mean of their neighbours."""
     points = np.vstack([boundary, inner])
-    start, neighbours = Delaunay(points).vertex_neighbor_vertices
+    start, neighbours = scipy.spatial.Delaunay(points).vertex_neighbor_vertices
     sums = np.add.reduceat(points[neighbours], start[:-1], axis=0)
     mean = sums / np.diff(start)[:, None]
     return np.asarray(mean[len(boundary) :], dtype=float)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, final
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 import shapely
 
 from toothspace.core.errors import GeometryError
@@ -276,8 +276,8 @@ def journal_load(
     return LateralPressure(name, LateralFaces(ring, bottom, top), pattern, label)
 
 
-def load_columns(mesh: SolidMesh, loads: tuple[Load, ...]) -> sp.csc_matrix:
+def load_columns(mesh: SolidMesh, loads: tuple[Load, ...]) -> scipy.sparse.csc_matrix:
     """Nodal forces of all loads, one column each."""
     if not loads:
-        return sp.csc_matrix((mesh.unknowns, 0))
-    return sp.csc_matrix(np.column_stack([load.forces(mesh) for load in loads]))
+        return scipy.sparse.csc_matrix((mesh.unknowns, 0))
+    return scipy.sparse.csc_matrix(np.column_stack([load.forces(mesh) for load in loads]))

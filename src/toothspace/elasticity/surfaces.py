@@ -12,9 +12,8 @@ from functools import cached_property
 from typing import Literal, NamedTuple, final
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 import shapely
-from scipy.spatial import cKDTree
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
@@ -105,7 +104,7 @@ class PlaneSurface:
             return f"film {self.name!r} at z = {1e3 * level:.4g} mm"
         return ""
 
-    def interpolation(self, points: Array) -> sp.csr_matrix:
+    def interpolation(self, points: Array) -> scipy.sparse.csr_matrix:
         """Matrix from nodal values to values at points on the body.
 
         Parameters
@@ -124,7 +123,7 @@ class PlaneSurface:
 class _Finder(NamedTuple):
     """Triangles by their middles, with first corners and the inverse of their edges."""
 
-    middles: cKDTree
+    middles: scipy.spatial.cKDTree
     origin: Array
     inverse: Array
 
@@ -134,10 +133,10 @@ def _finder(plane: Triangulation) -> _Finder:
     origin = np.ascontiguousarray(corners[:, 0])
     edges = np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2)
     inverse: Array = np.asarray(np.linalg.inv(edges), dtype=np.float64)
-    return _Finder(cKDTree(corners.mean(axis=1)), origin, inverse)
+    return _Finder(scipy.spatial.cKDTree(corners.mean(axis=1)), origin, inverse)
 
 
-def _barycentric(plane: Triangulation, finder: _Finder, points: Array) -> sp.csr_matrix:
+def _barycentric(plane: Triangulation, finder: _Finder, points: Array) -> scipy.sparse.csr_matrix:
     tree, origin, inverse = finder
     count = len(plane.triangles)
     chosen, weight = np.zeros(len(points), dtype=np.int64), np.zeros((len(points), 3))
@@ -179,10 +178,10 @@ def _place(
     return held
 
 
-def _rows(columns: IntArray, weights: Array, count: int) -> sp.csr_matrix:
+def _rows(columns: IntArray, weights: Array, count: int) -> scipy.sparse.csr_matrix:
     rows = np.repeat(np.arange(len(columns)), columns.shape[1])
     entries = (weights.ravel(), (rows, columns.ravel()))
-    return sp.csr_matrix(entries, shape=(len(columns), count))
+    return scipy.sparse.csr_matrix(entries, shape=(len(columns), count))
 
 
 @final
@@ -226,7 +225,7 @@ class CylinderSurface:
         between = (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
         return np.asarray(on & between & looks(mesh, "lateral"))
 
-    def interpolation(self, points: Array) -> sp.csr_matrix:
+    def interpolation(self, points: Array) -> scipy.sparse.csr_matrix:
         """Matrix from nodal values to values at points on the body, as for a plane.
 
         Parameters

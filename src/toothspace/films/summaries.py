@@ -10,8 +10,7 @@ import numpy as np
 from toothspace.films.journal.shaft_motion import Orbit, critical_mass
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import PadSolution
-from toothspace.films.plane.rigid_faces import FaceFilms
-from toothspace.films.plane.ring import LateralSolution
+from toothspace.films.plane.ring import FaceFilms, LateralSolution
 from toothspace.films.thermal import HeatedFilm
 
 _LITRES_PER_MINUTE = 6e4

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar, final
 
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.numerics.roots import root_between
 
 _HIGHEST_RISE = 400.0

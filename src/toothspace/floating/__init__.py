@@ -7,18 +7,14 @@ films before it. Nothing here is loaded by a run of a machine whose bearings do 
 module               responsibility
 ===================  ======================================================================
 Films between faces  ..
-face_grid            polar grids on the faces, masked at every shaft angle
-local_deformation    gap of faces that deform locally under film and asperity pressure
-compliant_film       Newton's method for pressure, cavity and gap of such a film
+face_grid            polar grids on the faces, masked at every shaft angle; smooth functions there
+compliant_film       film between faces that deform locally: Newton's method for pressure and gap
 face_film            one film of the stack: solution, forces and their variation
 Bodies               ..
-stack                positions of bearings and gears, films between them, forces on them
-basis_functions      smooth functions of radius and angle for slow parts of the deformation
-elastic_faces        deformation of elastic bearings and gears under all films
+stack                positions of bearings and gears, films, forces and stops on them
+elastic_faces        loads on faces and elastic bodies, and their deformation under all films
 deformation          deformation by distant pressures within a step
-body_loads           loads on faces and elastic bodies over the shaft angle, from a lumped run
 Balance and motion   ..
-stops                covers, walls and journals that limit lift and tilt
 housing_friction     friction of a floating bearing in its housing
 motion               one implicit step of bearings and gears
 equilibrium          equilibrium of bearings and gears, whether it is stable, and a revolution
@@ -27,9 +23,7 @@ Films and chambers   ..
 problem              films and floating bearings at given chamber pressures
 heat                 films whose viscosity follows the heat that they dissipate
 torque               torque of the films in the equations of the lumped machine
-interpolation        equilibrium at chamber pressures between those of two lumped runs
-coupling             chamber pressures and films iterated until they agree
-coupled_run          a coupled operating point over one revolution, as a solution
+coupling             chamber pressures and films iterated until they agree, over one revolution
 reduction            films over axial load and moment, for tables
 ===================  ======================================================================
 """

@@ -11,8 +11,8 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
-from toothspace.floating.basis_functions import BasisFunctions
 from toothspace.floating.face_film import FaceFilm
+from toothspace.floating.face_grid import BasisFunctions
 from toothspace.floating.stack import StackState, mean_coefficients
 from toothspace.model.film_faces import FILM
 from toothspace.numerics.acceleration import Mixing

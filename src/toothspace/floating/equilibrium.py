@@ -23,10 +23,11 @@ from toothspace.floating.stack import (
     Snapshot,
     Stack,
     StackState,
+    leaning,
     mean_coefficients,
     mean_force,
+    stop_forces,
 )
-from toothspace.floating.stops import leaning, stop_forces
 
 _MOST_STEPS = 80
 _MOST_FAILURES = 6

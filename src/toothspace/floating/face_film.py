@@ -14,9 +14,8 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
-from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
-from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.fluid import CAVITATION, FilmFluid
 from toothspace.films.reynolds.rough_surfaces import (
     NO_CONTACT,
     SMOOTH,
@@ -28,13 +27,14 @@ from toothspace.films.reynolds.rough_surfaces import (
     mean_gap,
 )
 from toothspace.floating.compliant_film import (
+    Accuracy,
     CompliantSolution,
+    LocalCompliance,
     compliant_responses,
     deformed_gap,
     solve_compliant,
 )
 from toothspace.floating.face_grid import FaceGrid, Mask
-from toothspace.floating.local_deformation import Accuracy, LocalCompliance
 from toothspace.numerics.complementarity import solve_complementarity
 from toothspace.numerics.linear_system import PRESCRIBED
 

@@ -9,9 +9,9 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.floating.compliant_film import Accuracy
 from toothspace.floating.deformation import DeformationIteration, DeformationResponse, Fineness
 from toothspace.floating.housing_friction import HousingFriction
-from toothspace.floating.local_deformation import Accuracy
 from toothspace.floating.stack import (
     BackPressure,
     PreviousStep,
@@ -19,8 +19,8 @@ from toothspace.floating.stack import (
     Stack,
     StackState,
     mean_force,
+    stop_forces,
 )
-from toothspace.floating.stops import stop_forces
 
 _STATUS_ROUNDS = 4
 _PATIENCE = 16

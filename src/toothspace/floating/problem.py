@@ -18,8 +18,9 @@ from toothspace.core.types import Array
 from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.thermal import FilmHeating
-from toothspace.floating.body_loads import loaded_bodies, node_pressures
+from toothspace.floating.compliant_film import Accuracy
 from toothspace.floating.deformation import Fineness
+from toothspace.floating.elastic_faces import loaded_bodies, node_pressures
 from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -34,7 +35,6 @@ from toothspace.floating.housing_friction import (
     housing_friction,
     normal_force,
 )
-from toothspace.floating.local_deformation import Accuracy
 from toothspace.floating.motion import Balance, Loads, StepSettings, balance_force, state_at
 from toothspace.floating.stack import (
     BackPressure,

@@ -26,8 +26,7 @@ from toothspace.floating.problem import (
     lateral_problem,
     numbers_of,
 )
-from toothspace.floating.stack import Stack
-from toothspace.floating.stops import leaning, stop_forces
+from toothspace.floating.stack import Stack, leaning, stop_forces
 from toothspace.floating.torque import pressure_torque
 from toothspace.model.description import MachineDescription
 from toothspace.model.floating_bearing import AxialForce, FloatingBearing, LateralBalance

@@ -146,6 +146,8 @@ def fmu_archive(
 ) -> tuple[bytes, str]:
     """Return the archive of a unit, and the platform of its binary, empty without one.
 
+    Raises CaseError if the compiler fails.
+
     Parameters
     ----------
     tables : xarray.Dataset
@@ -156,11 +158,6 @@ def fmu_archive(
         Case file that goes into the unit.
     compiler : str or None
         C compiler; None leaves the unit without a binary.
-
-    Raises
-    ------
-    CaseError
-        If the compiler fails.
     """
     variables = fmu_variables(tables, free_shaft=free_shaft)
     source = files("toothspace.fmi").joinpath(SOURCE).read_text(encoding="utf-8")

@@ -23,10 +23,8 @@ from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
 from toothspace.fmi.operating_tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
 from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
-from toothspace.studies.points import status_of
-from toothspace.studies.records import Record, Records, failed_count
-from toothspace.studies.study import StudyContext, StudyResult
-from toothspace.studies.tabulate import map_dataset
+from toothspace.studies.points import map_dataset, status_of
+from toothspace.studies.study import Record, Records, StudyContext, StudyResult, failed_count
 from toothspace.studies.workers import Workers
 
 if TYPE_CHECKING:

@@ -15,8 +15,7 @@ from toothspace.results.ripple import whole_revolutions
 if TYPE_CHECKING:
     import xarray as xr
 
-    from toothspace.results.solution import Solution
-    from toothspace.studies.records import Record
+    from toothspace.studies.study import Record
 
 PULSATING = ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque")
 """Results of which the ripple is tabulated."""
@@ -53,47 +52,46 @@ class ShaftSamples:
         if not solution.status.succeeded:
             return summary
         warnings = [warning.sentence for warning in solution.warnings]
-        return {**_ripples(solution), **_means(solution), "warnings": warnings, **summary}
-
-
-def _ripples(solution: Solution) -> dict[str, list[float]]:
-    """Deviation from the mean over the angle of one turn from shaft angle zero, in equal steps."""
-    data, found = solution.data, {}
-    for name in PULSATING:
-        angle, values, turns = whole_revolutions(data["shaft_angle"].values, data[name].values)
-        steps = angle.size // turns
-        at = np.arange(steps) * (_TURN / steps)
-        # angles of the last revolutions, which begin anywhere
-        turned = np.interp(at, angle[-steps:], values[-steps:], period=_TURN)
-        found[f"{name}_ripple"] = (turned - turned.mean()).tolist()
-    return found
-
-
-def _means(solution: Solution) -> dict[str, float]:
-    data, ledger = solution.data, solution.ledger
-    flows = {
-        f"{port}_flow_rate": ledger.mass[port] / (ledger.duration * float(data[f"{port}_density"]))
-        for port in ("inlet", "outlet")
-    }
-    powers = {
-        "hydraulic_power": abs(ledger.port_energy) / ledger.duration,
-        "power_loss": ledger.loss_energy / ledger.duration,
-    }
-    return {
-        **flows,
-        **powers,
-        "drain_flow_rate": float(data["drain_flow_rate"].mean()),
-        "leakage": sum(means_by_label(data, "leakage").values()),
-        "lost_flow_rate": lost_flow_rate(data, ledger),
-        "shaft_torque": mean_torque(data, ledger),
-        "displacement": float(data["displacement"]),
-    }
+        data, found = solution.data, {}
+        for name in PULSATING:
+            angle, values, turns = whole_revolutions(data["shaft_angle"].values, data[name].values)
+            steps = angle.size // turns
+            at = np.arange(steps) * (_TURN / steps)
+            # angles of the last revolutions, which begin anywhere
+            turned = np.interp(at, angle[-steps:], values[-steps:], period=_TURN)
+            found[f"{name}_ripple"] = (turned - turned.mean()).tolist()
+        data, ledger = solution.data, solution.ledger
+        flows = {
+            f"{port}_flow_rate": ledger.mass[port]
+            / (ledger.duration * float(data[f"{port}_density"]))
+            for port in ("inlet", "outlet")
+        }
+        powers = {
+            "hydraulic_power": abs(ledger.port_energy) / ledger.duration,
+            "power_loss": ledger.loss_energy / ledger.duration,
+        }
+        return {
+            **found,
+            **flows,
+            **powers,
+            "drain_flow_rate": float(data["drain_flow_rate"].mean()),
+            "leakage": sum(means_by_label(data, "leakage").values()),
+            "lost_flow_rate": lost_flow_rate(data, ledger),
+            "shaft_torque": mean_torque(data, ledger),
+            "displacement": float(data["displacement"]),
+            "warnings": warnings,
+            **summary,
+        }
 
 
 def tables_of(
     records: Sequence[Record], pressures: Sequence[float], speeds: Sequence[float], teeth: int
 ) -> xr.Dataset:
     """Tables of a machine from its runs.
+
+    Mean values over ``shaft_speed`` and ``pressure_difference``, ripple also over ``shaft_angle``
+    of one period: a tooth pitch, or a turn where the teeth differ. ``ripple_left_out`` is what the
+    mean tooth leaves out of the ripple, root mean square. [-]
 
     Parameters
     ----------
@@ -103,13 +101,6 @@ def tables_of(
         Pressure differences [Pa] and shaft speeds [rad/s].
     teeth : int
         Periods that a turn of the shaft has if all teeth are alike. [-]
-
-    Returns
-    -------
-    xarray.Dataset
-        Mean values over ``shaft_speed`` and ``pressure_difference``, ripple also over
-        ``shaft_angle`` of one period: a tooth pitch, or a turn where the teeth differ.
-        ``ripple_left_out`` is what the mean tooth leaves out of the ripple, root mean square. [-]
     """
     import xarray as xr
 

@@ -8,11 +8,9 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
@@ -83,10 +81,12 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
     vertices = corners[first]
     if tolerance > 0.0:
         # the first point of every cluster, and the cluster of every point
-        pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
+        pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
         size = len(vertices)
-        graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size))
-        count, label = connected_components(graph, directed=False)
+        graph = scipy.sparse.coo_array(
+            (np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size)
+        )
+        count, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
         representative = np.full(count, size)
         np.minimum.at(representative, label, np.arange(size))
         vertices, joined = vertices[representative], label.astype(np.int64)
@@ -103,8 +103,10 @@ def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     a, b = mesh.faces[:, [0, 1]].T, mesh.faces[:, [1, 2]].T
     rows, columns = np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1]])
     size = len(mesh.vertices)
-    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size))
-    count, label = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array(
+        (np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size)
+    )
+    count, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
     if count == 1:
         return [mesh]
     owner = label[mesh.faces[:, 0]]

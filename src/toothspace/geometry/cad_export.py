@@ -14,7 +14,7 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.files import write_bytes
-from toothspace.core.optional import package_of_extra
+from toothspace.core.lazy import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.curve import turned
 from toothspace.geometry.gear_profile import GearProfile

@@ -14,7 +14,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.files import reading
 from toothspace.core.frozen import Points
-from toothspace.core.optional import package_of_extra
+from toothspace.core.lazy import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import (
     BodySection,

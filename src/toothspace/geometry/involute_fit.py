@@ -7,8 +7,8 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import InvoluteFlank
@@ -369,7 +369,7 @@ def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, hi
 
     bounds = (np.array([0.3 * high / start[0], -np.pi, -np.pi]),
               np.array([0.9999 * high / start[0], np.pi, np.pi]))  # fmt: skip
-    solution = least_squares(
+    solution = scipy.optimize.least_squares(
         residuals, start / size, bounds=bounds, loss="soft_l1", xtol=1e-14, ftol=1e-14, gtol=1e-14
     )
     return np.asarray(solution.x * size)

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import keep_arrays, load_arrays
 from toothspace.core.processes import run_python
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest

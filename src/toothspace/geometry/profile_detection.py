@@ -8,8 +8,7 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import KDTree
+import scipy
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray
@@ -278,7 +277,7 @@ def _dense(points: Array) -> Array:
     straight = np.column_stack([np.interp(fine, along, points[:, axis]) for axis in (0, 1)])
     if len(points) < 5:
         return straight
-    smooth = np.asarray(CubicSpline(along, points)(fine))
+    smooth = np.asarray(scipy.interpolate.CubicSpline(along, points)(fine))
     interval = np.repeat(np.diff(along), 4)
     swing = np.hypot(*(smooth - straight).T)[:-1] > 0.1 * interval
     chosen = np.where(np.append(swing, False)[:, None], straight, smooth)
@@ -408,7 +407,7 @@ def _center_shift(teeth: Array, phase: float) -> Array:
 
 def _tooth_deviations(teeth: Array, median: Array) -> Array:
     normal, _ = _normals(median)
-    nearest = KDTree(median)
+    nearest = scipy.spatial.KDTree(median)
     largest = []
     for tooth in teeth:
         index = nearest.query(tooth[::4])[1]
@@ -581,5 +580,5 @@ def _along(path: Array) -> Callable[[Array], Array]:
         return lambda u: np.column_stack(
             [np.interp(u * along[-1], along, kept[:, axis]) for axis in (0, 1)]
         )
-    spline = CubicSpline(along, kept)
+    spline = scipy.interpolate.CubicSpline(along, kept)
     return lambda u: np.asarray(spline(u * along[-1]))

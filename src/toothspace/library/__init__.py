@@ -40,6 +40,8 @@ def library_names(kind: str) -> list[str]:
 def library_entry(kind: str, name: str, key: str) -> dict[str, Any]:
     """Return the table of one fluid or material.
 
+    Raises CaseError if the library has no such entry.
+
     Parameters
     ----------
     kind : str
@@ -48,11 +50,6 @@ def library_entry(kind: str, name: str, key: str) -> dict[str, Any]:
         Name of the entry.
     key : str
         Key of the case file that asks, for the error message.
-
-    Raises
-    ------
-    CaseError
-        If the library has no such entry.
     """
     names = library_names(kind)
     if name not in names:

@@ -99,10 +99,7 @@ def ring_bearing(
 def require_shaft_below(key: str, diameter: float, root_radius: float) -> None:
     """Refuse a shaft that is not thinner than the root of what it carries. [m].
 
-    Raises
-    ------
-    GeometryError
-        If a diameter under a key reaches the root circle.
+    Raises GeometryError if a diameter under a key reaches the root circle.
     """
     if diameter >= 2.0 * root_radius:
         allowed = f"below the root diameter, {root_radius * 2e3:.5g} mm"
@@ -112,10 +109,7 @@ def require_shaft_below(key: str, diameter: float, root_radius: float) -> None:
 def require_rim(key: str, diameter: float, root_radius: float) -> None:
     """Refuse a ring whose teeth reach its outside diameter. [m].
 
-    Raises
-    ------
-    GeometryError
-        If a diameter under a key does not reach beyond the roots of the teeth.
+    Raises GeometryError if a diameter under a key does not reach beyond the roots of the teeth.
     """
     if diameter <= 2.0 * root_radius:
         allowed = f"above {root_radius * 2e3:.5g} mm, the root diameter of its teeth"
@@ -131,6 +125,8 @@ def gear_on_shaft(
 ) -> Body:
     """Gear of a profile with the journals of its shaft, at the origin, driven by the shaft.
 
+    Section times face width, plus the journals.
+
     Parameters
     ----------
     name : str
@@ -143,11 +139,6 @@ def gear_on_shaft(
         Material of gear and shaft.
     bearing : ShaftBearingParameters
         Bearings of the shaft.
-
-    Returns
-    -------
-    Body
-        Section times face width, plus the journals.
     """
     radius, density = 0.5 * bearing.diameter, material.density
     shaft = density * np.pi * radius**2 * BEARINGS * bearing.length

@@ -17,9 +17,20 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.arrays import Constants, ContactSurface, Sizes, SystemArrays
-from toothspace.model.contact_data import contact_parts, loaded_contacts, rigid_mesh
-from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
-from toothspace.model.free_motions import free_blocks, free_motions, map_of_motions, motion_rows
+from toothspace.model.chambers import wall_volume
+from toothspace.model.contact_data import (
+    contact_parts,
+    held_by_contacts,
+    loaded_contacts,
+    rigid_mesh,
+)
+from toothspace.model.description import (
+    ChamberFamily,
+    FlowPath,
+    FreeBlocks,
+    MachineDescription,
+    categories_of,
+)
 from toothspace.model.lateral_load import (
     SampledLoads,
     lateral_lookup,
@@ -40,10 +51,77 @@ from toothspace.model.packed_tables import OPEN, make_members, pack_tables
 from toothspace.model.path_category import PathCategory
 from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.walls import wall_volume
 from toothspace.numerics.ndf_types import FROM_STATE
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between
+
+_CLEARANCE = 1e-3
+"""Scale of motions without a bearing, over the cube root of the displacement. [-]"""
+
+
+def free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
+    """Positions of the free motions of bodies among those of the description."""
+    carried = {journal.body for journal in description.journals}
+    held = held_by_contacts(description, condition)
+    mesh = rigid_mesh(description, condition)
+    tied = mesh.motion if mesh else -1
+    free = []
+    for k, motion in enumerate(description.motions):
+        held_radially = motion.axis in ("x", "y") and (motion.body in carried or held[k])
+        turning = motion.axis == "rotation" and held[k]
+        if k != tied and (turning or (held_radially and condition.radial_motion)):
+            free.append(k)
+    return free
+
+
+def free_blocks(
+    description: MachineDescription, condition: OperatingCondition
+) -> FreeBlocks | None:
+    """Bearing blocks that move in x and y, the last two free motions; None if they rest."""
+    return description.free_blocks if condition.radial_motion else None
+
+
+def map_of_motions(
+    description: MachineDescription, condition: OperatingCondition, free: list[int]
+) -> Array:
+    """All motions of the description from the free ones, with a column for each of these."""
+    blocks = 2 if free_blocks(description, condition) else 0
+    found = np.zeros((len(description.motions), len(free) + blocks))
+    found[free, np.arange(len(free))] = 1.0
+    mesh = rigid_mesh(description, condition)
+    if mesh:
+        found[mesh.motion, : len(free)] = np.asarray(mesh.coefficients)[free]
+    return found
+
+
+def motion_rows(
+    description: MachineDescription, condition: OperatingCondition, free: list[int]
+) -> Array:
+    """Mass, load and scale of every free motion."""
+    bodies = {body.name: body for body in description.bodies}
+    clearance = {journal.body: journal.radial_clearance for journal in description.journals}
+    drag = lateral_drag(description)
+    blocks = free_blocks(description, condition)
+    rows = np.zeros((len(free) + (2 if blocks else 0), col.MOTION_COLUMNS))
+    without_bearing = _CLEARANCE * float(np.cbrt(description.displacement))
+    for row, k in zip(rows, free, strict=False):
+        motion = description.motions[k]
+        body = bodies[motion.body]
+        row[col.CLEARANCE] = clearance.get(motion.body, without_bearing)
+        row[col.MOTION_MASS] = body.mass
+        if motion.axis == "rotation":
+            row[col.MOTION_MASS], row[col.MOTION_RATIO] = body.inertia, body.speed_ratio
+            row[col.LATERAL_DRAG] = drag[motion.body]
+            levers = [np.abs(c.gap_by_motion.values[:, k]).max() for c in description.contacts]
+            row[col.CLEARANCE] /= float(max(levers))
+        elif body.role == "shaft" and motion.axis in ("x", "y"):
+            row[col.EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
+    if blocks:
+        rows[-2:, col.MOTION_MASS] = blocks.mass
+        rows[-2:, col.CLEARANCE] = blocks.film.radial_clearance
+        rows[-2, col.PORT_AREA] = blocks.port_area
+    return rows
+
 
 _SLOWEST_SPEED = 1.0
 _LEAST_VOLUME = 1e-4

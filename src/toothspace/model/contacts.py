@@ -19,8 +19,14 @@ and losses then balance to round-off.
 
 from __future__ import annotations
 
-from toothspace.closures.contact_law import impact_factor, logarithmic_law, power_law, rounded_depth
-from toothspace.closures.squeeze_film import REACH, squeeze_damping
+from toothspace.closures.contact_law import (
+    REACH,
+    impact_factor,
+    logarithmic_law,
+    power_law,
+    rounded_depth,
+    squeeze_damping,
+)
 from toothspace.closures.traction import FlankSurface, mesh_friction
 from toothspace.core.compiled import inlined, kernel
 from toothspace.core.types import Array

@@ -1,22 +1,285 @@
-"""From a fluid's name or table to the constants that the right-hand side reads."""
+"""From a fluid's name or table to the constants that the right-hand side reads.
+
+A user's table is a CSV file, separated by commas or semicolons, with a header such as
+``temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]`` and, if known,
+``vapour_pressure [Pa]`` and ``specific_heat_capacity [J/(kg K)]``. Rows of one temperature
+form an isotherm of at least three pressures.
+"""
 
 from __future__ import annotations
 
+import csv
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, final
+from typing import Any, NoReturn, final
 
 import numpy as np
 
+from toothspace.closures.density import clausius_clapeyron_pressure
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import walther_constants, walther_viscosity
-from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
+from toothspace.core.types import Array
+from toothspace.core.units import (
+    AIR_GAS_CONSTANT,
+    ATMOSPHERIC_PRESSURE,
+    ZERO_CELSIUS,
+    compatible,
+    to_si,
+)
 from toothspace.library import load_fluid
-from toothspace.model.fluid_table import ROUNDING, LiquidState, fit_table, table_temperatures
+
+REQUIRED = {"temperature": "K", "pressure": "Pa", "density": "kg/m^3", "dynamic_viscosity": "Pa s"}
+"""Columns that a table must have, and the unit they are read in."""
+
+OPTIONAL = {"vapour_pressure": "Pa", "specific_heat_capacity": "J/(kg K)"}
+"""Columns that a table may have."""
+
+DEFAULT_HEAT_CAPACITY = 2000.0
+"""Specific heat capacity of a table without that column. [J/(kg K)]"""
+
+VAPOUR_FLOOR = 1000.0
+"""Lowest vapour pressure that the equation of state is given: numerical floor. [Pa]"""
+
+ROUNDING = 1e-6
+"""Temperature by which a fluid is known beyond its range, as left by a change of units. [K]"""
+
+_HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
+_POWER = re.compile(r"(?<=[A-Za-z])(\d)")
+_POSITIVE = ("temperature", "density", "dynamic_viscosity", "specific_heat_capacity")
+
+
+TABLE_AIR_FRACTION = 0.08
+"""Dissolved air at one atmosphere over volume of liquid, of a table. [-]"""
+
+
+@dataclass(frozen=True)
+class LiquidState:
+    """Properties of a liquid at one temperature, without gas."""
+
+    density: float
+    """At zero pressure. [kg/m3]"""
+    bulk_modulus: float
+    """At zero pressure. [Pa]"""
+    bulk_modulus_slope: float
+    """Rise of the bulk modulus per pressure. [-]"""
+    dynamic_viscosity: float
+    """At zero pressure. [Pa s]"""
+    pressure_viscosity: float
+    """Barus coefficient of the dynamic viscosity. [1/Pa]"""
+    vapour_pressure: float
+    """Lowest pressure, numerical floor included. [Pa]"""
+    specific_heat_capacity: float
+    """Specific heat capacity. [J/(kg K)]"""
+    dissolved_air_fraction: float
+    """Default volume of dissolved air at one atmosphere over volume of liquid. [-]"""
+
+    @property
+    def compliance(self) -> float:
+        """Compressibility a at zero pressure. [1/Pa]."""
+        return 1.0 / self.bulk_modulus
+
+    @property
+    def stiffening(self) -> float:
+        """Stiffening b of the density law. [1/Pa]."""
+        return 0.5 * self.compliance * (self.bulk_modulus_slope - 1.0)
+
+
+@final
+@dataclass(frozen=True)
+class TableFit(LiquidState):
+    """Properties of a liquid fitted to a table at one temperature."""
+
+    density_error: float
+    viscosity_error: float
+    """Largest relative error of the fit at the points of the isotherms used. [-]"""
+    highest_pressure: float
+    """Pressure up to which these isotherms reach. [Pa]"""
+
+
+def _fail(path: Path | Columns, place: str, found: object, allowed: str) -> NoReturn:
+    raise CaseError(f"fluid.table: {path.name}, {place}", found, allowed)
+
+
+def _columns(path: Path | Columns, header: list[str]) -> dict[str, tuple[int, str]]:
+    """Position and unit of every known column."""
+    known, found = {**REQUIRED, **OPTIONAL}, {}
+    for position, text in enumerate(header):
+        match = _HEADER.fullmatch(text)
+        if match is None:
+            _fail(path, f"column {position + 1}, row 1", repr(text), "a name with its [unit]")
+        name, unit = match[1], _POWER.sub(r"^\1", match[2])
+        if name not in known or name in found:
+            _fail(path, f"column {name}, row 1", repr(name), "each once: " + ", ".join(known))
+        if not _fits(unit, known[name]):
+            _fail(path, f"column {name}, row 1", repr(unit), f"a unit such as {known[name]}")
+        found[name] = (position, unit)
+    for name in REQUIRED:
+        if name not in found:
+            _fail(path, f"column {name}, row 1", "none", "a column " + name)
+    return found
+
+
+def _fits(unit: str, wanted: str) -> bool:
+    try:
+        return compatible(unit, wanted)
+    except CaseError:
+        return False
+
+
+def _number(path: Path | Columns, name: str, row: int, text: str, unit: str) -> float:
+    place = f"column {name}, row {row}"
+    try:
+        value = to_si(float(text), unit)
+    except ValueError:
+        _fail(path, place, repr(text.strip()), "a number with a decimal point")
+    if not np.isfinite(value):
+        _fail(path, place, text.strip(), "a finite number")
+    if value < 0.0 or (value == 0.0 and name in _POSITIVE):
+        _fail(path, place, text.strip(), "a positive number")
+    return value
+
+
+def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
+    """Columns of a table in SI units, and the row number of every entry."""
+    try:
+        if isinstance(path, Columns):
+            lines = list(enumerate(path.lines(), start=1))
+        else:
+            text = path.read_text(encoding="utf-8-sig")
+            separator = ";" if ";" in text.partition("\n")[0] else ","
+            cells = csv.reader(text.splitlines(), delimiter=separator)
+            lines = [(k, line) for k, line in enumerate(cells, start=1) if any(line)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise CaseError("fluid.table", f"{path} unreadable ({error})", "a CSV file") from error
+    if len(lines) < 2:
+        _fail(path, "row 1", f"{len(lines)} rows", "a header and rows of numbers")
+    columns = _columns(path, lines[0][1])
+    data: dict[str, list[float]] = {name: [] for name in columns}
+    for row, line in lines[1:]:
+        if len(line) != len(lines[0][1]):
+            _fail(path, f"row {row}", f"{len(line)} entries", f"{len(lines[0][1])} entries")
+        for name, (position, unit) in columns.items():
+            data[name].append(_number(path, name, row, line[position], unit))
+    return {name: np.array(values) for name, values in data.items()}, [k for k, _ in lines[1:]]
+
+
+def _isotherm(
+    data: dict[str, Array], rows: list[int], level: float, path: Path | Columns
+) -> dict[str, Array]:
+    """Rows of one temperature in the order of pressure, checked."""
+    chosen = np.flatnonzero(np.abs(data["temperature"] - level) < 1e-6)
+    chosen = chosen[np.argsort(data["pressure"][chosen], kind="stable")]
+    line = {name: values[chosen] for name, values in data.items()}
+    kelvin = f"{level - ZERO_CELSIUS:g} degC"
+    if chosen.size < 3:
+        place = f"column pressure, row {rows[chosen[0]]}"
+        _fail(path, place, f"{chosen.size} pressures at {kelvin}", "three or more")
+    for k, (lower, upper) in enumerate(pairwise(line["pressure"])):
+        if upper <= lower:
+            place = f"column pressure, row {rows[chosen[k + 1]]}"
+            _fail(path, place, f"{upper:g} Pa twice at {kelvin}", "each pressure once")
+    for k, (lower, upper) in enumerate(pairwise(line["density"])):
+        if upper <= lower:
+            place = f"column density, row {rows[chosen[k + 1]]}"
+            _fail(path, place, f"{upper:g} kg/m3 after {lower:g}", "density rising with pressure")
+    return line
+
+
+def _fit_isotherm(line: dict[str, Array]) -> tuple[Array, float, float]:
+    """Density (rho0, 1/a, b), viscosity (ln mu0, alpha) and their largest relative errors."""
+    p, rho = line["pressure"], line["density"]
+    scale = p.max()
+    x = p / scale
+    # rho (1 + b p) = rho0 + rho0 (a + b) p is linear in its constants.
+    solution = np.linalg.lstsq(np.stack([np.ones_like(x), x, -rho * x], axis=1), rho, rcond=None)[0]
+    if solution[2] < 0.0 or solution[1] <= solution[0] * solution[2]:
+        line_fit = np.linalg.lstsq(np.stack([np.ones_like(x), x], axis=1), rho, rcond=None)[0]
+        solution = np.array([line_fit[0], line_fit[1], 0.0])
+    rho0, b = solution[0], solution[2] / scale
+    a = solution[1] / (solution[0] * scale) - b
+    density_error = float(np.abs(rho0 * (1.0 + a * p / (1.0 + b * p)) / rho - 1.0).max())
+    logarithm = np.log(line["dynamic_viscosity"])
+    slope, level = np.polyfit(x, logarithm, 1)
+    viscosity_error = float(np.abs(np.exp(level + slope * x - logarithm) - 1.0).max())
+    return np.array([rho0, 1.0 / a, b, level, slope / scale]), density_error, viscosity_error
+
+
+def fit_table(path: Path | Columns, temperature: float) -> TableFit:
+    """Read a fluid table and fit the liquid's constants at a temperature.
+
+    Parameters
+    ----------
+    path : Path or Columns
+        CSV file, see the module, or its columns. [-]
+    temperature : float
+        Absolute temperature inside the range of the table. [K]
+
+    Returns
+    -------
+    TableFit
+        Constants with the largest error of the fit. [SI]
+
+    Raises
+    ------
+    CaseError
+        If the file cannot be read, a column, unit or number is bad, the density does not
+        rise with pressure or the temperature is outside the table; names column and row.
+
+    Notes
+    -----
+    Least squares on the isotherms below and above; their constants (of the viscosity the
+    logarithm) are interpolated linearly over the temperature.
+    """
+    data, rows = _read(path)
+    levels = np.unique(np.round(data["temperature"], 9))
+    if not levels[0] - ROUNDING <= temperature <= levels[-1] + ROUNDING:
+        low, high = levels[0] - ZERO_CELSIUS, levels[-1] - ZERO_CELSIUS
+        found = f"{temperature - ZERO_CELSIUS:g} degC"
+        allowed = f"{low:g} to {high:g} degC, column temperature of {path.name}"
+        raise CaseError("fluid.temperature", found, allowed)
+    lines = {float(level): _isotherm(data, rows, float(level), path) for level in levels}
+    upper = int(np.clip(np.searchsorted(levels, temperature), 1, max(levels.size - 1, 1)))
+    pair = [float(levels[upper - 1]), float(levels[min(upper, levels.size - 1)])]
+    share = (temperature - pair[0]) / (pair[1] - pair[0]) if pair[1] > pair[0] else 0.0
+    return _between([lines[level] for level in pair], min(max(share, 0.0), 1.0))
+
+
+def table_temperatures(path: Path | Columns) -> tuple[float, float]:
+    """Lowest and highest absolute temperature of a fluid table. [K]."""
+    temperatures = _read(path)[0]["temperature"]
+    return float(temperatures.min()), float(temperatures.max())
+
+
+def _between(lines: list[dict[str, Array]], share: float) -> TableFit:
+    """Interpolate the constants of two isotherms."""
+    fits = [_fit_isotherm(line) for line in lines]
+    constants = (1.0 - share) * fits[0][0] + share * fits[1][0]
+
+    def level(name: str, default: float) -> float:
+        if name not in lines[0]:
+            return default
+        return float((1.0 - share) * lines[0][name][0] + share * lines[1][name][0])
+
+    compliance = float(1.0 / constants[1])
+    return TableFit(
+        density=float(constants[0]),
+        bulk_modulus=1.0 / compliance,
+        bulk_modulus_slope=1.0 + 2.0 * float(constants[2]) / compliance,
+        dynamic_viscosity=float(np.exp(constants[3])),
+        pressure_viscosity=float(constants[4]),
+        vapour_pressure=max(level("vapour_pressure", VAPOUR_FLOOR), VAPOUR_FLOOR),
+        specific_heat_capacity=level("specific_heat_capacity", DEFAULT_HEAT_CAPACITY),
+        dissolved_air_fraction=TABLE_AIR_FRACTION,
+        density_error=max(fits[0][1], fits[1][1]),
+        viscosity_error=max(fits[0][2], fits[1][2]),
+        highest_pressure=min(float(line["pressure"].max()) for line in lines),
+    )
+
 
 __all__ = [
     "FluidLaw",

@@ -23,7 +23,7 @@ from toothspace.numerics.linear_system import (
     TIGHT,
     LinearSystem,
 )
-from toothspace.numerics.vectors import norm
+from toothspace.numerics.vectors import add_scaled, norm, put
 
 _OVERLAP = 24
 """Rows that the cut ring is run through twice, so that it hardly notices the cut. [-]"""
@@ -253,7 +253,8 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
                 v[k] -= coupling[0, i, low + k] * z[n - 1, low + k]
         block = store[place : place + count * width].reshape(count, width)
         _apply(block, v[:width], moved)
-        z[n, low : low + count] = moved[:count]
+        for k in range(count):
+            z[n, low + k] = moved[k]
     for n in range(total - 2, -1, -1):
         i = (blocks.cut - _OVERLAP + n) % rows
         low, count, width, place = span[i]
@@ -262,11 +263,13 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
             v[k] = coupling[3, i, low + k] * z[n + 1, low + k]
         block = store[place : place + count * width].reshape(count, width)
         _apply(block, v[:width], moved)
-        z[n, low : low + count] -= moved[:count]
+        for k in range(count):
+            z[n, low + k] -= moved[k]
     for n in range(rows):
         i = (blocks.cut + n) % rows
         low, count = span[i, 0], span[i, 1]
-        x[i * lanes + low : i * lanes + low + count] = z[n + _OVERLAP, low : low + count] * size
+        for k in range(count):
+            x[i * lanes + low + k] = z[n + _OVERLAP, low + k] * size
     if unit.size > 0:
         x *= unit
     return x
@@ -288,21 +291,22 @@ def _refine(
         if norm(rest) < left:
             left = norm(rest)
         else:
-            x[k], rest[:] = 0.0, sides[k]
+            x[k] = 0.0
+            put(rest, sides[k])
         for _ in range(_ROUNDS):
             # what rounding keeps from falling is left: another round would add noise
             if not (left > goal and left < STALLED * former):
                 break
             limit = max(_SHARE * goal, LEAST_CORRECTION * left)
             projected = first_column(_MOST, left)
-            basis[0] = rest / left
+            put(basis[0], rest / left)
             count, missing = 0, left
             while count < _MOST and missing > limit:
-                images[count] = _substitute(blocks, unit, basis[count])
+                put(images[count], _substitute(blocks, unit, basis[count]))
                 w = stencil_products(stencil, images[count : count + 1], rows, lanes)[0]
                 missing = extend(basis, projected, count, w)
                 count += 1
-            x[k] += combined(images, projected, count)
+            add_scaled(x[k], 1.0, combined(images, projected, count))
             effort = max(effort, count)
             rest = sides[k] - stencil_products(stencil, x[k : k + 1], rows, lanes)[0]
             former, left = left, norm(rest)

@@ -28,7 +28,7 @@ from toothspace.numerics.linear_system import (
     PassSystems,
 )
 from toothspace.numerics.structured_grid import CellBalance, coarsened, grid_shape
-from toothspace.numerics.vectors import norm
+from toothspace.numerics.vectors import norm, put
 
 
 class Constraint(IntEnum):
@@ -52,16 +52,19 @@ def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array
     rows, lanes = potential.shape
     u = np.zeros((rows + 2, lanes + 2))
     s = np.ones((rows + 2, lanes + 2))
-    u[1:-1, 1:-1] = potential
-    s[1:-1, 1:-1] = saturation
-    u[1:-1, 0] = b.south
-    u[1:-1, -1] = b.north
+    for i in range(rows):
+        put(u[i + 1, 1:-1], potential[i])
+        put(s[i + 1, 1:-1], saturation[i])
+    put(u[1:-1, 0], b.south)
+    put(u[1:-1, -1], b.north)
     if b.ring:
-        u[0, 1:-1], s[0, 1:-1] = potential[-1], saturation[-1]
-        u[-1, 1:-1], s[-1, 1:-1] = potential[0], saturation[0]
+        put(u[0, 1:-1], potential[-1])
+        put(s[0, 1:-1], saturation[-1])
+        put(u[-1, 1:-1], potential[0])
+        put(s[-1, 1:-1], saturation[0])
     else:
-        u[0, 1:-1] = b.west
-        u[-1, 1:-1] = b.east
+        put(u[0, 1:-1], b.west)
+        put(u[-1, 1:-1], b.east)
     return u, s
 
 
@@ -69,10 +72,11 @@ def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array
 def _bordered_kind(kind: IntArray, ring: bool) -> IntArray:
     rows, lanes = kind.shape
     out = np.full((rows + 2, lanes + 2), 2)
-    out[1:-1, 1:-1] = kind
+    for i in range(rows):
+        put(out[i + 1, 1:-1], kind[i])
     if ring:
-        out[0, 1:-1] = kind[-1]
-        out[-1, 1:-1] = kind[0]
+        put(out[0, 1:-1], kind[-1])
+        put(out[-1, 1:-1], kind[0])
     return out
 
 
@@ -192,9 +196,13 @@ def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int, empty: 
     PRESCRIBED for an obstacle.
     """
     rows, lanes = kind.shape
-    values = unknown.copy().reshape(rows, lanes)
-    potential = np.where(kind == 1, 0.0, np.maximum(values, 0.0))
-    saturation = np.where(kind == 1, np.minimum(values, 1.0), 1.0)
+    potential, saturation = np.zeros((rows, lanes)), np.ones((rows, lanes))
+    for i in range(rows):
+        for j in range(lanes):
+            if kind[i, j] == 1:
+                saturation[i, j] = np.minimum(unknown[i * lanes + j], 1.0)
+            else:
+                potential[i, j] = np.maximum(unknown[i * lanes + j], 0.0)
     u, s = bordered(b, potential, saturation)
     for _ in range(abs(sweeps)):
         if b.ring:

@@ -126,7 +126,8 @@ def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
         column[m] = dot(basis[m], product)
         add_scaled(product, -column[m], basis[m])
     below = norm(product)
-    basis[count + 1] = product / below if below > 0.0 else product
+    for k in range(product.size):
+        basis[count + 1, k] = product[k] / below if below > 0.0 else product[k]
     for m in range(count):
         above = column[m]
         column[m] = cosine[m] * above + sine[m] * column[m + 1]

@@ -57,12 +57,14 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.numerics.dense_output import copy, false_position, interpolate
 from toothspace.numerics.ndf_step import (
     GO_ON,
     PASSED,
     accept_step,
+    copy,
     error_norm,
+    false_position,
+    interpolate,
     note_jacobian,
     start_step,
     use_evaluation,

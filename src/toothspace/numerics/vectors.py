@@ -6,8 +6,15 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array
+
+
+@inlined
+def put(target: Any, values: Any) -> None:
+    """Copy a vector into one of the same length; a slice would check lengths at run time."""
+    for k in range(target.size):
+        target[k] = values[k]
 
 
 @njit(nogil=True, fastmath={"contract", "reassoc"})

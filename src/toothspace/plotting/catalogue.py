@@ -13,9 +13,6 @@ from toothspace.plotting import (
     bodies,
     film_maps,
     geometry,
-    losses,
-    over_time,
-    rotors,
     section,
     waveforms,
 )
@@ -81,7 +78,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "pocket_cycle",
         "Pressure, volume and open port areas of one pocket over a turn of the outer rotor.",
         "pressure",
-        rotors.pocket_cycle,
+        bodies.pocket_cycle,
         ("chamber_pressure", "chamber_volume", "opening_area"),
         needs_machine=True,
         sampled="turn",
@@ -109,7 +106,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "speed_and_pressure",
         "Shaft speed and pressure difference; shaded: lowest to highest value within a row.",
         "time",
-        over_time.speed_and_pressure,
+        waveforms.speed_and_pressure,
         ("pressure_difference_highest",),
         sampled="transient",
     ),
@@ -117,7 +114,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "breakaway_zoom",
         "The shaft stands still until the pressure overcomes the breakaway torque.",
         "time",
-        over_time.breakaway_zoom,
+        waveforms.breakaway_zoom,
         ("pressure_difference",),
         sampled="start",
     ),
@@ -125,7 +122,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "torque_shares",
         "Torque of the load and of every friction mechanism.",
         "time",
-        over_time.torque_shares,
+        waveforms.torque_shares,
         ("torque_loss", "load_torque"),
         sampled="transient",
     ),
@@ -133,7 +130,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "stribeck_path",
         "Friction torque over speed: from breakaway through mixed to full films, and back.",
         "time",
-        over_time.stribeck_path,
+        waveforms.stribeck_path,
         ("torque_loss",),
         sampled="transient",
     ),
@@ -142,7 +139,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Shaft torque over a turn: as it is, and high-pass filtered as measurements are shown, "
         "without what a shaft that whirls adds.",
         "ripple",
-        rotors.torque_ripple,
+        bodies.torque_ripple,
         ("shaft_torque",),
         needs_machine=True,
         sampled="turn",
@@ -206,7 +203,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "tooth_contact_forces",
         "Contact force of every tooth of the outer rotor, and how many are loaded at a time.",
         "bodies",
-        lambda solution, _: rotors.tooth_contact_forces(solution),
+        lambda solution, _: bodies.tooth_contact_forces(solution),
         ("tooth_force",),
         sampled="steady",
         rotors=True,
@@ -216,7 +213,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Contact force over the place of a tooth, the largest pocket at the top. Single-contact "
         "theory has each tooth carry over one pitch.",
         "bodies",
-        lambda solution, _: rotors.contact_span(solution),
+        lambda solution, _: bodies.contact_span(solution),
         ("tooth_force",),
         sampled="turn",
         rotors=True,
@@ -239,21 +236,24 @@ FIGURES: tuple[FigureEntry, ...] = (
         ("running_in_depth",),
     ),
     FigureEntry(
-        "ledger_waterfall", "From supplied to delivered power.", "losses", losses.ledger_waterfall
+        "ledger_waterfall",
+        "From supplied to delivered power.",
+        "losses",
+        waveforms.ledger_waterfall,
     ),
-    FigureEntry("loss_bars", "Every loss by cause.", "losses", losses.loss_bars),
+    FigureEntry("loss_bars", "Every loss by cause.", "losses", waveforms.loss_bars),
     FigureEntry(
         "torque_breakdown",
         "Friction torque by mechanism, as felt at the shaft.",
         "losses",
-        losses.torque_breakdown,
+        waveforms.torque_breakdown,
         ("torque_loss",),
     ),
     FigureEntry(
         "leakage_by_path",
         "Leakage by path, each flow by the share of the way to low pressure that it falls.",
         "losses",
-        losses.leakage_by_path,
+        waveforms.leakage_by_path,
         ("leakage",),
     ),
 )
@@ -265,6 +265,16 @@ def available_figures(
 ) -> list[FigureEntry]:
     """List the figures that a result, with or without its machine, can give."""
     return [entry for entry in FIGURES if _possible(entry, solution, description)]
+
+
+def machine_figure(description: MachineDescription, name: str, **options: Any) -> Figure:
+    """Draw a machine before any run: ``section``, ``volumes`` or ``openings``."""
+    draw = {
+        "section": section.machine_section,
+        "volumes": geometry.volumes,
+        "openings": geometry.openings,
+    }
+    return draw[name](description, **options)
 
 
 def _possible(

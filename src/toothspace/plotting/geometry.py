@@ -1,16 +1,28 @@
-"""Tables of a machine: volumes, their derivatives and openings over the angle."""
+"""Tables of a machine over the angle, and deviations of its flanks."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
+from toothspace.core.types import Array, IntArray
+from toothspace.geometry.involute_fit import InvoluteFit, ProfileDeviation
 from toothspace.model.description import ChamberFamily, MachineDescription
-from toothspace.model.path_category import PathCategory
-from toothspace.plotting.style import CYCLE, INK, LIGHT, angle_axis, new_figure, readable, styled
-from toothspace.plotting.windows import opening_area, opening_windows, openings_of
+from toothspace.model.path_category import OPENINGS, PathCategory
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREY,
+    INK,
+    LIGHT,
+    angle_axis,
+    new_figure,
+    readable,
+    styled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -143,3 +155,121 @@ def _has_ports(description: MachineDescription, family: ChamberFamily) -> bool:
         float(opening_area(description, family, category, angle).max()) > 0.0
         for category in openings_of(description)
     )
+
+
+_LEAST_RANGE = 1.0
+"""Of the axis, so that a perfect flank looks like one. [um]"""
+
+
+@styled
+def flank_deviation(fits: Mapping[str, InvoluteFit]) -> Figure:
+    """Deviation of both flanks of every gear over the roll length, excess material to the right.
+
+    One row for each gear, root below, tip above.
+
+    Parameters
+    ----------
+    fits : mapping
+        Fit of each gear by its name.
+    """
+    figure = new_figure(7.2, 0.8 + 3.2 * len(fits))
+    rows = np.reshape(figure.subplots(len(fits), 2, sharey="row", sharex="row"), (-1, 2))
+    for (name, fit), row in zip(fits.items(), rows, strict=True):
+        _flank(row[0], f"{name}\nleft flank", fit.left)
+        _flank(row[1], "right flank", fit.right)
+        row[0].set_ylabel("Roll length (mm)")
+    return figure
+
+
+def _flank(axes: Axes, title: str, deviation: ProfileDeviation) -> None:
+    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    axes.plot(deviation.deviation * 1e6, deviation.roll_length * 1e3, color=BLUE)
+    axes.set_title(title)
+    low, high = axes.get_xlim()
+    axes.set_xlim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
+    axes.locator_params(axis="x", nbins=5)
+    axes.set_xlabel(
+        f"Deviation (µm)   Fα {1e6 * deviation.total:.2f}, ffα {1e6 * deviation.form:.2f}, "
+        f"fHα {1e6 * deviation.slope:.2f}",
+        fontsize=8.0,
+    )
+
+
+def openings_of(description: MachineDescription) -> list[PathCategory]:
+    """Categories of the paths that open chambers to ports and grooves: inlet, outlet, grooves."""
+    found = [c for c in description.path_categories if c.role in OPENINGS]
+    return sorted(found, key=lambda category: OPENINGS.index(category.role))
+
+
+def opening_area(
+    description: MachineDescription, family: ChamberFamily, category: PathCategory, angle: Array
+) -> Array:
+    """Open area between one chamber and all paths of a category.
+
+    Area; zero where nothing is open. [m2]
+
+    Parameters
+    ----------
+    angle : ndarray
+        Table angle of the chamber. [rad]
+    """
+    names = [other.name for other in description.families]
+    first = sum(other.count for other in description.families[: names.index(family.name)])
+    area = np.zeros_like(angle)
+    for path in description.paths:
+        if path.category != category or path.kind != "orifice":
+            continue
+        for member in np.flatnonzero((path.nodes_a == first) | (path.nodes_b == first)):
+            scale = path.angle_ratio / family.angle_ratio
+            offset = float(path.phases[member] - scale * family.phases[0])
+            area = area + path.multiplicity * path.geometry(scale * angle + offset)[..., 0]
+    return area
+
+
+def opening_windows(
+    description: MachineDescription, family: ChamberFamily, category: PathCategory
+) -> list[tuple[float, float]]:
+    """Intervals of the chamber's table angle in which a category is open. [rad]."""
+    angle = np.linspace(0.0, family.volume.period, 721)
+    area = opening_area(description, family, category, angle)
+    opened = area > 1e-4 * max(float(area.max()), 1e-12)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], opened, [False]]).astype(int)))
+    return [
+        (float(angle[start]), float(angle[end - 1]))
+        for start, end in zip(edges[::2], edges[1::2], strict=True)
+    ]
+
+
+def one_chamber(
+    data: xr.Dataset, description: MachineDescription, family: ChamberFamily
+) -> tuple[Array, IntArray, IntArray]:
+    """Angles of a chamber over its turn with the sample and the chamber that show them.
+
+    In one turn of the shaft a chamber may not come round; the ones behind it, which are alike,
+    show the rest.
+
+    Returns
+    -------
+    ndarray
+        Table angle of the chamber, ascending. [rad]
+    ndarray
+        Samples along the shaft angle.
+    ndarray
+        Columns of the chambers.
+    """
+    shaft_angle = np.asarray(data["shaft_angle"])
+    last = np.flatnonzero(shaft_angle >= shaft_angle[-1] - 2.0 * np.pi)
+    first = description.chamber_labels.index(f"{family.name}_0")
+    step = abs(family.angle_ratio) * float(np.median(np.diff(shaft_angle)))
+    own = family.phases + family.angle_ratio * shaft_angle[last, None]
+    own = np.mod(own, family.volume.period)
+    found: list[tuple[float, int, int]] = []
+    shown = np.zeros(round(family.volume.period / step) + 1, dtype=bool)
+    for chamber in range(family.count):
+        places = np.round(own[:, chamber] / step).astype(int)
+        new = np.flatnonzero(~shown[places])
+        found += [(own[k, chamber], int(last[k]), first + chamber) for k in new]
+        shown[places] = True
+    found.sort()
+    angle, sample, column = zip(*found, strict=True)
+    return np.array(angle), np.array(sample), np.array(column)

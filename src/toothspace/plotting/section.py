@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,16 +10,26 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.geometry.curve import enclosed
 from toothspace.model.description import Body, MachineDescription
-from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    LIGHT,
+    METAL,
+    ORANGE,
+    PRESSURE_COLOURS,
+    new_figure,
+    styled,
+)
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
 _MM = 1e3
 _BAR = 1e5
+_PORTS = ("inlet", "outlet")
 _DRAWN_ERROR = 4e-6  # what drawn outlines may deviate
 _WALL = 0.08  # drawn thickness of the housing over its height
 
@@ -93,6 +103,7 @@ def gear_section(
     Figure
         One panel per angle.
     """
+    import matplotlib as mpl
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -104,9 +115,13 @@ def gear_section(
     figure = new_figure(3.5 * columns + 0.9, (0.6 + 2.9 * (high - low) / (right - left)) * rows)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
     scale = Normalize(0.0, top_of_scale(solution) / _BAR)
+    colours = mpl.colormaps[PRESSURE_COLOURS]
     for axes, fraction in zip(panels, fractions, strict=False):
         sample = int(np.argmin(np.abs(angle - angle[0] - fraction * pitch)))
-        _draw_section(axes, solution, description, sample, scale)
+        data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
+        ports = {p: colours(scale(float(data[f"{p}_pressure"]) / _BAR)) for p in _PORTS}
+        spaces = colours(scale(np.asarray(data["chamber_pressure"]) / _BAR))
+        _draw_section(axes, description, float(data["shaft_angle"]), ports, spaces)
         axes.set_title(f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle")
     for axes in panels[len(fractions) :]:
         axes.remove()
@@ -130,23 +145,40 @@ def top_of_scale(solution: Solution) -> float:
     return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
 
 
-def _draw_section(
-    axes: Axes, solution: Solution, description: MachineDescription, sample: int, scale: Normalize
-) -> None:
-    import matplotlib as mpl
+@styled
+def machine_section(description: MachineDescription, shaft_angle: float = 0.0) -> Figure:
+    """Section of a machine before any run: inlet blue, outlet red, between them the chambers.
 
-    colours = mpl.colormaps[PRESSURE_COLOURS]
-    data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
-    shaft_angle = float(data["shaft_angle"])
+    Parameters
+    ----------
+    shaft_angle : float
+        Where the shaft stands. [rad]
+    """
+    from matplotlib.colors import to_rgba
+
+    left, low, right, high = housing_region(description).bounds
+    figure = new_figure(4.6, 0.3 + 4.6 * (high - low) / (right - left))
+    spaces = np.ones((description.chamber_count, 4))
+    ports = {"inlet": to_rgba(BLUE, 0.45), "outlet": to_rgba(ORANGE, 0.6)}
+    _draw_section(figure.subplots(), description, shaft_angle, ports, spaces)
+    return figure
+
+
+def _draw_section(
+    axes: Axes,
+    description: MachineDescription,
+    shaft_angle: float,
+    ports: Mapping[str, tuple[float, ...]],
+    spaces: Array,
+) -> None:
+    """Draw ports and chambers, each in its colour, and what stands and turns between them."""
     _fill(axes, housing_region(description), facecolor=LIGHT, edgecolor=GREY, linewidth=0.7)
-    for port in ("inlet", "outlet"):
-        colour = colours(scale(float(data[f"{port}_pressure"]) / _BAR))
+    for port, colour in ports.items():
         _fill(axes, port_region(description, port), facecolor=colour, linewidth=0.0)
         _name_port(axes, description, port, colour)
-    pressure = np.asarray(data["chamber_pressure"]) / _BAR
-    for region, value in zip(fluid_cells(description, shaft_angle), pressure, strict=False):
-        colour = colours(scale(value))
-        _fill(axes, region, facecolor=colour, edgecolor=colour, linewidth=0.4)
+    if description.chamber_outlines is not None:
+        for region, space in zip(fluid_cells(description, shaft_angle), spaces, strict=False):
+            _fill(axes, region, facecolor=space, edgecolor=space, linewidth=0.4)
     _draw_bodies(axes, description, shaft_angle)
     _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
     for outline in recess_outlines(description).values():

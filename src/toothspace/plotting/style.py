@@ -1,21 +1,27 @@
-"""One look for all figures: colours that colour-blind readers can tell apart, plain axes."""
+"""One look for all figures: colours that colour-blind readers can tell apart, panels."""
 
 from __future__ import annotations
 
 import functools
 import io
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec, final
+
+import numpy as np
 
 from toothspace.core.files import draft_of
 from toothspace.core.types import Array
+from toothspace.results.variables import label_of
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 P = ParamSpec("P")
 
@@ -149,3 +155,87 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     with draft_of(path) as draft, mpl.rc_context(_RC):  # type: ignore[arg-type]
         figure.savefig(draft, format=kind, dpi=160.0)
     return Path(path)
+
+
+MAIN_NUMBERS = (
+    "volumetric_efficiency",
+    "hydromechanical_efficiency",
+    "mean_flow_L_per_min",
+    "mean_torque_N_m",
+    "flow_ripple_percent",
+    "max_chamber_pressure_bar",
+)
+"""Numbers that a sweep shows."""
+_MOST_LINES = 8
+_UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
+
+
+@final
+@dataclass(frozen=True)
+class StudyFigure:
+    """A figure of a study with its caption."""
+
+    name: str
+    caption: str
+    figure: Figure
+
+
+def number_panels(data: xr.Dataset) -> tuple[Figure, list[tuple[Axes, str]]]:
+    """Figure with one panel for each main number."""
+    figure, panels = panels_of(shown_numbers(data), 2, 0.4, 2.4)
+    for axes, name in panels:
+        axes.set_ylabel(axis_title(name))
+    return figure, panels
+
+
+def panels_of(
+    names: Sequence[str], columns: int, margin: float, height: float, *, sharex: bool = False
+) -> tuple[Figure, list[tuple[Axes, str]]]:
+    """Figure with one panel for each name; heights of margin and rows in inches."""
+    rows = -(-len(names) // columns)
+    figure = new_figure(7.2, margin + height * rows)
+    flat = list(figure.subplots(rows, columns, squeeze=False, sharex=sharex).flat)
+    for axes in flat[len(names) :]:
+        axes.set_visible(False)
+    return figure, list(zip(flat, names, strict=False))
+
+
+def shown_numbers(data: xr.Dataset) -> list[str]:
+    """Main numbers, or else the first of all."""
+    numbers = [str(name) for name in data.data_vars if data[name].dtype.kind == "f"]
+    results = [name for name in numbers if "." not in name]
+    return [name for name in MAIN_NUMBERS if name in results] or results[: len(MAIN_NUMBERS)]
+
+
+def has_numbers(data: xr.Dataset, *names: str) -> bool:
+    """Whether a study has numbers of all names."""
+    return all(name in data and np.isfinite(data[name]).any() for name in names)
+
+
+def spread(count: int) -> list[int]:
+    """Some of many lines, the first and the last among them."""
+    shown = np.linspace(0, count - 1, min(count, _MOST_LINES))
+    return [round(k) for k in shown.tolist()]
+
+
+def axis_title(name: str) -> str:
+    """Name of a number with its unit, as the title of an axis."""
+    text = label_of(name)
+    return text[:1].upper() + text[1:]
+
+
+def key_title(data: xr.Dataset, path: str) -> str:
+    """Last words of a key path with its unit, as the title of an axis."""
+    unit = shown_unit(data, path)
+    return f"{short_name(path)} ({unit})" if unit else short_name(path)
+
+
+def shown_unit(data: xr.Dataset, path: str) -> str:
+    """Unit of a varied key as it is shown."""
+    unit = str(data[path].attrs.get("units", "1"))
+    return _UNITS.get(unit, unit)
+
+
+def short_name(path: str) -> str:
+    """Last words of a key path."""
+    return " ".join(path.split(".")[-2:]).replace("_", " ").capitalize()

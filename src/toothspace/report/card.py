@@ -1,27 +1,52 @@
-"""A solution as a notebook and the page show it: status, findings, key numbers, section."""
+"""A case or a solution as a notebook and the page show it: what it is, numbers, section."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from html import escape
+from typing import Any
 
+from toothspace.api import describe
+from toothspace.case import Case
+from toothspace.case.document import CONDITIONS
 from toothspace.core.finding import status_line
-from toothspace.plotting.style import figure_to_svg
+from toothspace.plotting.style import figure_to_svg, readable
 from toothspace.results.solution import Solution
 
 _KEY_NUMBERS = 12
 
 
-def solution_card(solution: Solution) -> str:
-    """Return a solution as a short piece of HTML."""
-    rows = [
+def case_card(case: Case) -> str:
+    """Return a case as a short piece of HTML: machine, condition, section before any run."""
+    given = case.to_dict()
+    condition = next(name for name in CONDITIONS if getattr(case, name) is not None)
+    rows: dict[str, Any] = {"fidelity": case.run.fidelity, **given.get("fluid", {})}
+    rows |= {name: v for name, v in given[condition].items() if not isinstance(v, (dict, list))}
+    section = ""
+    if case.machine is not None:
+        displacement = 2e6 * math.pi * describe(case).displacement
+        head = {"machine": f"{readable(case.machine_type)}, {case.machine.mode}"}
+        rows = head | {"displacement": f"{displacement:.4g} cm³/rev"} | rows
+        section = figure_to_svg(case.plot.section())
+    return f"<h4>{escape(case.title)}</h4>{_table(rows)}<div>{section}</div>"
+
+
+def _table(rows: Mapping[str, Any]) -> str:
+    lines = [
         f"<tr><th style='text-align:left'>{escape(name)}</th>"
         f"<td>{f'{value:.5g}' if isinstance(value, float) else escape(str(value))}</td></tr>"
-        for name, value in list(solution.summary().items())[:_KEY_NUMBERS]
+        for name, value in rows.items()
     ]
+    return f"<table>{''.join(lines)}</table>"
+
+
+def solution_card(solution: Solution) -> str:
+    """Return a solution as a short piece of HTML."""
+    rows = dict(list(solution.summary().items())[:_KEY_NUMBERS])
     plot = solution.plot
     section = figure_to_svg(plot.section()) if "gear_section" in plot.names() else ""
     head = escape(solution.provenance.get("title", solution.data.attrs.get("title", "")))
     status = escape(status_line(solution.status, solution.findings))
     found = "".join(f"<li>{escape(str(finding))}</li>" for finding in solution.findings)
-    table = f"<table>{''.join(rows)}</table>"
-    return f"<h4>{head}</h4><p>{status}</p><ul>{found}</ul>{table}<div>{section}</div>"
+    return f"<h4>{head}</h4><p>{status}</p><ul>{found}</ul>{_table(rows)}<div>{section}</div>"

@@ -13,11 +13,9 @@ from typing import TYPE_CHECKING, Any, final
 from toothspace.core.files import write_text
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
-from toothspace.report.page import render
-from toothspace.report.wording import format_value, quantity
-from toothspace.results.io import load_solution
+from toothspace.report.page import format_value, quantity, render
 from toothspace.results.ledger import loss_causes
-from toothspace.results.solution import Solution
+from toothspace.results.solution import Solution, load_solution
 
 if TYPE_CHECKING:
     import pandas as pd

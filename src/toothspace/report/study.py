@@ -8,8 +8,7 @@ from typing import Any
 
 from toothspace.core.files import write_text
 from toothspace.plotting.style import figure_to_svg
-from toothspace.report.page import render
-from toothspace.report.wording import format_value, quantity
+from toothspace.report.page import format_value, quantity, render
 from toothspace.studies.study import StudyResult, StudyTable, study_figures
 
 _LONGEST_TABLE = 400

@@ -77,7 +77,19 @@ def _shown(one: Examined) -> dict[str, Any]:
         "trouble": one.trouble,
         "duration": one.duration,
         "rows": [_row(value) for value in one.finding.values]
-        + [_error_row(c) for c in curves if c.published is not None],
+        + [
+            {
+                "name": f"largest distance from the published points: {c.name}",
+                "published": "0",
+                "ours": f"{c.error:.4g}",
+                "unit": c.y_label,
+                "deviation": "",
+                "allowed": "" if math.isinf(c.tolerance) else _range(0.0, c.tolerance),
+                "verdict": c.verdict,
+            }
+            for c in curves
+            if c.published is not None
+        ],
         "figures": [figure_to_svg(figure) for figure in figures],
     }
 
@@ -93,18 +105,6 @@ def _row(value: ComparedValue) -> dict[str, str]:
         "deviation": deviation,
         "allowed": _range(value.low, value.high),
         "verdict": value.verdict,
-    }
-
-
-def _error_row(curve: ComparedCurve) -> dict[str, str]:
-    return {
-        "name": f"largest distance from the published points: {curve.name}",
-        "published": "0",
-        "ours": f"{curve.error:.4g}",
-        "unit": curve.y_label,
-        "deviation": "",
-        "allowed": "" if math.isinf(curve.tolerance) else _range(0.0, curve.tolerance),
-        "verdict": curve.verdict,
     }
 
 

@@ -11,13 +11,15 @@ import numpy as np
 
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.results.performance import by_label
-from toothspace.results.solution import Solution
-from toothspace.results.startup import tooth_pitch
-from toothspace.results.validity import temperatures_beyond
+from toothspace.results.solution import Solution, tooth_pitch
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
+
+    from toothspace.results.solution import Solution
+
 
 BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 """Balance errors above which a result is not to be trusted. [-]"""
@@ -88,18 +90,15 @@ def with_warnings(
 def with_interval(solution: Solution, drawn: Solution) -> Solution:
     """Solution that says how far it moves with the flanks of the file.
 
+    With every number of the second run among the statistics, as ``as_drawn_...``, and a warning
+    with those that a reader looks at first.
+
     Parameters
     ----------
     solution : Solution
         Result with what was fitted to the file.
     drawn : Solution
         The same run with what the file holds.
-
-    Returns
-    -------
-    Solution
-        With every number of the second run among the statistics, as ``as_drawn_...``, and a
-        warning with those that a reader looks at first.
     """
     fitted, other = (
         {k: v for k, v in one.summary().items() if isinstance(v, float) and math.isfinite(v)}
@@ -329,3 +328,64 @@ def _surplus(numbers: Mapping[str, float]) -> tuple[str, str]:
         "fluid enclosed in the chambers expands in them or is drawn past the ports.",
         "Look at the timing of the ports.",
     )
+
+
+_SHOWN = {
+    "outlet_temperature_degC": "outlet",
+    "drain_temperature_degC": "drain",
+    "highest_film_temperature_degC": "hottest film",
+}
+"""Places whose temperature every steady run has, by the names of the summary."""
+_RISE = "lateral_temperature_rise"
+
+
+def temperatures_beyond(solution: Solution, low: float, high: float) -> Iterator[Finding]:
+    """Say which temperatures lie outside the range of the fluid.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result, complete or not.
+    low, high : float
+        Temperatures between which the properties of the fluid are known. [K]
+    """
+    found = temperatures_of(solution)
+    outside = {place: t for place, t in found.items() if not low <= t <= high}
+    if not outside:
+        return
+    worst = max(outside, key=lambda place: max(outside[place] - high, low - outside[place]))
+    reached = f"{outside[worst] - ZERO_CELSIUS:.4g} °C ({worst})"
+    known = f"{low - ZERO_CELSIUS:.4g} to {high - ZERO_CELSIUS:.4g} °C"
+    others = ", ".join(place for place in outside if place != worst)
+    beside = f", and beyond it in: {others}" if others else ""
+    yield Finding(
+        "warning",
+        f"Temperatures reach {reached}{beside}; the properties of the fluid are known from "
+        f"{known} only.",
+        quantity="Temperature, range of the fluid",
+        found=reached,
+        allowed=known,
+        severity="serious",
+        advice="Let more oil pass where it is hot (wider gaps and bearings, "
+        "heat.bearing_flushing), lower speed or pressure, or cool the casing "
+        "(heat.housing_conductance); warm films thin with heat.model = 'coupled' alone.",
+    )
+
+
+def temperatures_of(solution: Solution) -> dict[str, float]:
+    """Temperatures of a steady run by place. [K]."""
+    numbers = solution.summary()
+    found = {
+        place: float(numbers[name]) + ZERO_CELSIUS
+        for name, place in _SHOWN.items()
+        if name in numbers
+    }
+    if "temperature" in solution.data:
+        for node, value in zip(
+            solution.data["heat_node"].values, solution.data["temperature"].values, strict=True
+        ):
+            found.setdefault(str(node).replace("_", " "), float(value))
+    if _RISE in solution.statistics:
+        supply = float(solution.data["fluid_temperature"])
+        found["lateral film"] = supply + float(solution.statistics[_RISE])
+    return {place: value for place, value in found.items() if np.isfinite(value)}

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.model.path_category import DRAIN
-from toothspace.results import lost_flow, ripple
+from toothspace.results import ripple
 from toothspace.results.ledger import Ledger, loss_causes
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 _LITRE_PER_MINUTE = 6e4
 _BAR = 1e5
@@ -149,7 +150,22 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         numbers["mean_loaded_contacts"] = mean_loaded_contacts(data)
     numbers["mass_balance_error"] = ledger.mass_balance_error
     numbers["energy_balance_error"] = ledger.energy_balance_error
-    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data, ledger)}
+    torque = means_by_label(data, "torque_loss")
+    causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
+    for entry in loss_causes(ledger):
+        causes[entry.cause] += entry.power
+    lost = lost_flow_rate(data, ledger)
+    parts = parts_of(data)
+    leakage = leakages_of(parts) or means_by_label(data, "leakage")
+    parts = parts or {EXCHANGE: lost - sum(leakage.values())}
+    flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
+    return {
+        **numbers,
+        **_operating_numbers(data, ledger),
+        **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
+        **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
+        **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
+    }
 
 
 def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
@@ -198,23 +214,6 @@ def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     return numbers
 
 
-def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
-    torque = means_by_label(data, "torque_loss")
-    causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
-    for entry in loss_causes(ledger):
-        causes[entry.cause] += entry.power
-    lost = lost_flow_rate(data, ledger)
-    parts = lost_flow.parts_of(data)
-    leakage = lost_flow.leakages_of(parts) or means_by_label(data, "leakage")
-    parts = parts or {lost_flow.EXCHANGE: lost - sum(leakage.values())}
-    flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
-    return {
-        **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
-        **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
-        **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
-    }
-
-
 def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:
     """Flow that the volumetric efficiency lacks, at the density of the inlet. [m3/s]."""
     density, displacement = float(data["inlet_density"]), float(data["displacement"])
@@ -229,7 +228,7 @@ def lost_flow_of(ledger: Ledger, density: float, displacement: float, *, motor: 
     .. math:: Q_{lost} = V \omega - \dot m_{out} / \rho(p_{in})\ \text{(pump)},\qquad
               Q_{lost} = \dot m_{in} / \rho(p_{in}) - V \omega\ \text{(motor)}
 
-    Its parts are those of :mod:`toothspace.results.lost_flow`.
+    Its parts are those of :mod:`toothspace.results.performance`.
     """
     mass = ledger.mass.get("inlet" if motor else "outlet", 0.0)
     lost = density * displacement * ledger.shaft_angle - mass
@@ -246,15 +245,12 @@ def mean_loaded_contacts(data: xr.Dataset) -> float:
 def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
     """Mean over the samples of a variable with one label dimension, by label.
 
+    Mean by label, empty if the result lacks the variable. [unit of the variable]
+
     Parameters
     ----------
     name : str
         Variable such as ``leakage`` or ``torque_loss``.
-
-    Returns
-    -------
-    mapping
-        Mean by label, empty if the result lacks the variable. [unit of the variable]
     """
     if name not in data:
         return {}
@@ -355,3 +351,42 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
         position = float(data["bearing_position"].mean()) * 1e6
         numbers = {"bearing_position_um": position, **numbers}
     return numbers
+
+
+PRESSURE = "pressure_leakage_"
+"""Before the name of a path: what pressure drives back through it."""
+DRAG = "drag_leakage_"
+"""Before the name of a path: what moving walls drag through it, negative where they deliver."""
+COMPRESSION = "compression_flow"
+GAS = "gas_flow"
+PORT_VOLUMES = "port_volume_flow"
+EXCHANGE = "mesh_exchange_flow"
+
+LABELS: Mapping[str, str] = {
+    COMPRESSION: "compression of the liquid in the chambers",
+    GAS: "free gas and vapour in the chambers",
+    PORT_VOLUMES: "kept in port volumes and lines",
+    EXCHANGE: "timing, and exchange through ports, grooves and the mesh",
+}
+"""Parts of the lost flow besides the leakage of paths, with a readable name."""
+
+
+def parts_of(data: xr.Dataset) -> dict[str, float]:
+    """Parts of the lost flow of a result, empty if it has none. [m3/s]."""
+    if "lost_flow" not in data:
+        return {}
+    return {
+        str(name): float(value)
+        for name, value in zip(data["flow_part"].values, data["lost_flow"].values, strict=True)
+    }
+
+
+def leakages_of(parts: Mapping[str, float]) -> dict[str, float]:
+    """Leakage of every path, by pressure and drag together. [unit of the parts]."""
+    found: dict[str, float] = {}
+    for before in (PRESSURE, DRAG):
+        for name, value in parts.items():
+            if name.startswith(before):
+                path = name.removeprefix(before)
+                found[path] = found.get(path, 0.0) + value
+    return found

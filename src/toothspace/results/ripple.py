@@ -35,6 +35,8 @@ class Spectrum:
 def whole_revolutions(shaft_angle: Array, signal: Array) -> tuple[Array, Array, int]:
     """Cut the last whole revolutions and put them on a uniform angle, end point excluded.
 
+    Raises ValueError if the samples span less than one revolution.
+
     Parameters
     ----------
     shaft_angle : ndarray, shape (samples,)
@@ -50,11 +52,6 @@ def whole_revolutions(shaft_angle: Array, signal: Array) -> tuple[Array, Array, 
         Signal there. [unit of the signal]
     revolutions : int
         How many revolutions they span; at least 1.
-
-    Raises
-    ------
-    ValueError
-        If the samples span less than one revolution.
     """
     step = float(np.median(np.diff(shaft_angle)))
     span = float(shaft_angle[-1] - shaft_angle[0])
@@ -70,17 +67,14 @@ def whole_revolutions(shaft_angle: Array, signal: Array) -> tuple[Array, Array, 
 def spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
     r"""Amplitudes of the harmonics of the shaft.
 
+    Amplitude and phase over the order. [unit of the signal, rad]
+
     Parameters
     ----------
     shaft_angle : ndarray, shape (samples,)
         Growing shaft angle over at least one revolution. [rad]
     signal : ndarray, shape (samples,)
         Signal. [any unit]
-
-    Returns
-    -------
-    Spectrum
-        Amplitude and phase over the order. [unit of the signal, rad]
 
     Notes
     -----
@@ -107,17 +101,14 @@ def resolved_spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
 def harmonics(shaft_angle: Array, signal: Array, orders: Array) -> ComplexArray:
     """Complex amplitudes of a periodic signal at shaft orders, phases of the cosine.
 
+    Peak amplitudes. [unit of the signal]
+
     Parameters
     ----------
     shaft_angle, signal : ndarray, shape (samples,)
         As for :func:`spectrum`. [rad], [any unit]
     orders : ndarray
         Orders; the nearest resolved ones are taken. [-]
-
-    Returns
-    -------
-    ndarray of complex
-        Peak amplitudes. [unit of the signal]
     """
     found = spectrum(shaft_angle, signal)
     places = np.argmin(np.abs(found.order[:, None] - np.asarray(orders)), axis=0)
@@ -151,15 +142,12 @@ class PulsationSource:
 def pulsation_source(pressure: ComplexArray, flow: ComplexArray) -> PulsationSource:
     r"""Source flow and source impedance from pressures and flows at a port against several loads.
 
+    Source that fits all loads.
+
     Parameters
     ----------
     pressure, flow : ndarray of complex, shape (loads, harmonics)
         Amplitudes at the port with at least two different loads. [Pa], [m3/s]
-
-    Returns
-    -------
-    PulsationSource
-        Source that fits all loads.
 
     Notes
     -----
@@ -288,6 +276,8 @@ def high_pass(shaft_angle: Array, signal: Array, lowest_order: float) -> tuple[A
 def low_pass(shaft_angle: Array, signal: Array, highest_order: float) -> tuple[Array, Array]:
     """Take high orders out of a periodic signal, as a slow sensor does.
 
+    As of :func:`high_pass`. [rad], [unit of the signal]
+
     Parameters
     ----------
     shaft_angle : ndarray, shape (samples,)
@@ -296,11 +286,6 @@ def low_pass(shaft_angle: Array, signal: Array, highest_order: float) -> tuple[A
         Signal, so often that no order above half the samples of a revolution matters. [any unit]
     highest_order : float
         Highest order that stays, with the mean. [events per revolution]
-
-    Returns
-    -------
-    shaft_angle, signal : ndarray
-        As of :func:`high_pass`. [rad], [unit of the signal]
     """
     return _band(shaft_angle, signal, 0.0, highest_order)
 

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Literal, final, overload
+
+import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_text
 from toothspace.core.finding import Finding, status_line
+from toothspace.core.netcdf import read_dataset
 from toothspace.core.registry import view
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
+from toothspace.core.types import Array
 from toothspace.results import performance
-from toothspace.results.events import Event
 from toothspace.results.ledger import Ledger
-from toothspace.results.startup import startup_numbers
 from toothspace.results.tooth_contacts import ToothContacts, contact_numbers, tooth_contacts
 
 if TYPE_CHECKING:
@@ -27,6 +29,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from toothspace.model.description import MachineDescription
+
+
+class Summary(dict[str, Any]):
+    """Summary numbers by name; ``status`` alone is a text."""
+
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, name: Literal["status"], /) -> str: ...  # type: ignore[overload-overlap]
+        @overload
+        def __getitem__(self, name: str, /) -> float: ...
+        def __getitem__(self, name: str, /) -> float | str: ...
 
 
 @final
@@ -82,7 +96,7 @@ class Solution:
         kept = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return {**kept, "data": self.data.compute()}
 
-    def summary(self) -> dict[str, float | str]:
+    def summary(self) -> Summary:
         """Return the summary numbers, with unit suffixes, status and wall time."""
         wall = float(self.statistics.get("wall_time", math.nan))
         if "time" in self.data.sizes:
@@ -95,7 +109,7 @@ class Solution:
             numbers = performance.summary_numbers(self.data, self.ledger)
             numbers |= performance.lateral_numbers(self.data, self.statistics)
             numbers |= contact_numbers(self.data)
-        return {**numbers, "status": self.status.name.lower(), "wall_time_s": wall}
+        return Summary(**numbers, status=self.status.name.lower(), wall_time_s=wall)
 
     def tooth_contacts(self) -> ToothContacts:
         """Contacts of the teeth of a gerotor: ``loaded`` at each sample, ``span`` in pitches.
@@ -324,3 +338,176 @@ class Figures:
     def openings(self) -> Figure:
         """Open areas of a chamber over the angle."""
         return self.figure("openings")
+
+
+STANDING = "Turning of a free shaft"
+"""What a shaft that does not turn is about."""
+
+_BAR = 1e5
+_TURN = 2.0 * np.pi
+_SETTLING = 1.0
+_SETTLED_SHARE = 0.2
+_AT_PLATEAU = 1.0 - 1e-9
+
+
+def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
+    """Numbers of a start from rest, NaN where the shaft never moved or did not start at rest.
+
+    ``startup_pressure_bar``: largest pressure difference until the shaft has turned one tooth
+    pitch. ``max_running_pressure_bar``: largest moving mean over one pitch, from one second after
+    breakaway until the supply slows down. ``startup_pressure_ratio``: one over the other.
+    ``breakaway_time_s`` and ``breakaway_pressure_bar``: when the shaft begins to turn.
+    ``settled_pressure_bar``: mean over the last fifth of running, and ``startup_to_settled_ratio``
+    with it, which swings after the start do not touch.
+
+    Parameters
+    ----------
+    breakaway : float
+        When the shaft begins to turn, NaN if it never does. [s]
+    """
+    angle = np.asarray(data["shaft_angle"])
+    highest = np.asarray(data["pressure_difference_highest"])
+    pitch = tooth_pitch(data)
+    within_pitch = np.abs(angle - angle[0]) <= pitch
+    startup = float(highest[within_pitch].max()) if np.isfinite(breakaway) else np.nan
+    running, settled = _running_pressures(data, breakaway, pitch)
+    pressure = np.asarray(data["pressure_difference"])
+    released = float(np.interp(breakaway, np.asarray(data["time"]), pressure))
+    return {
+        "startup_pressure_bar": startup / _BAR,
+        "max_running_pressure_bar": running / _BAR,
+        "startup_pressure_ratio": startup / running if running else np.nan,
+        "breakaway_time_s": breakaway,
+        "breakaway_pressure_bar": released / _BAR,
+        "settled_pressure_bar": settled / _BAR,
+        "startup_to_settled_ratio": startup / settled if settled else np.nan,
+    }
+
+
+def standing(data: xr.Dataset) -> Iterator[Finding]:
+    """Say that a shaft that is free never turned, or stands still although the supply runs.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Rows over time of a machine with a free shaft.
+    """
+    speed, time = np.asarray(data["shaft_speed"]), np.asarray(data["time"])
+    if speed[-1] != 0.0:
+        return
+    pressure = np.asarray(data["pressure_difference"])
+    if not speed.any():
+        reached = f"{float(np.abs(pressure).max()) / _BAR:.4g} bar"
+        text = f"The shaft never turns: friction and load hold it against {reached}."
+    elif float(np.asarray(data["supply_speed"])[-1]) > 0.0:
+        since = float(time[np.flatnonzero(speed)[-1]])
+        reached = f"{float(pressure[-1]) / _BAR:.4g} bar"
+        text = (
+            f"The shaft stands still since {since:.3g} s although the supply runs: friction and "
+            f"load hold it against {reached}."
+        )
+    else:
+        return
+    yield Finding(
+        "warning",
+        text,
+        quantity=STANDING,
+        found="0 rpm",
+        allowed="a shaft that turns",
+        advice="Raise the opening_pressure of the relief valve or the flow of the supply, let "
+        "circuit.duration be longer, or lower the load or the breakaway torque.",
+    )
+
+
+def tooth_pitch(data: xr.Dataset) -> float:
+    """Shaft angle from one tooth to the next, from the labels of the chambers. [rad]."""
+    labels = [str(label) for label in data["chamber"].values]
+    family = labels[0].rpartition("_")[0]
+    return _TURN / sum(label.rpartition("_")[0] == family for label in labels)
+
+
+def moving_mean(time: Array, angle: Array, signal: Array, window: float) -> tuple[Array, Array]:
+    """Mean over time of a signal while the shaft turns by a window.
+
+    End of each window that fits in [s], and the mean over it.
+
+    Parameters
+    ----------
+    time, angle, signal : ndarray, shape (rows,)
+        Time [s], growing shaft angle [rad] and signal.
+    window : float
+        Angle of the window. [rad]
+    """
+    whole = np.concatenate([[0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * np.diff(time))])
+    growing = np.maximum.accumulate(angle)
+    ends = growing >= growing[0] + window
+    begin = np.interp(growing[ends] - window, growing, time)
+    duration = np.maximum(time[ends] - begin, 1e-12)
+    return time[ends], (whole[ends] - np.interp(begin, time, whole)) / duration
+
+
+def _running_pressures(data: xr.Dataset, breakaway: float, pitch: float) -> tuple[float, float]:
+    """Largest and settled moving mean between start and end of running. [Pa]."""
+    time, angle = (np.asarray(data[name]) for name in ("time", "shaft_angle"))
+    supply = np.asarray(data["supply_speed"])
+    plateau = np.flatnonzero(supply >= _AT_PLATEAU * supply.max())
+    end = time[plateau[-1]] if supply.max() > 0.0 else time[-1]
+    signal = np.asarray(data["pressure_difference"])
+    running = (time >= breakaway) & (time <= end)
+    if running.sum() < 2:
+        return float("nan"), float("nan")
+    at, mean = moving_mean(time[running], angle[running], signal[running], pitch)
+    later = at >= breakaway + _SETTLING
+    if not later.any():
+        return float("nan"), float("nan")
+    settled = at >= at[-1] - _SETTLED_SHARE * (at[-1] - breakaway)
+    return float(mean[later].max()), float(mean[settled].mean())
+
+
+DATA_ATTRIBUTES = ("title", "machine", "mode")
+"""Attributes of the file that belong to the dataset."""
+
+
+def load_solution(path: str | Path) -> Solution:
+    """Read a solution back.
+
+    Parameters
+    ----------
+    path : str or Path
+        File written by :meth:`Solution.save`.
+
+    Raises
+    ------
+    CaseError
+        If the file is missing, damaged or not a result of this package.
+    """
+    from toothspace.results.file_layout import (
+        EXTRA_VARIABLES,
+        PROVENANCE,
+        STATISTICS,
+        read_events,
+        read_ledger,
+        read_warnings,
+    )
+
+    dataset = read_dataset(path, "a NetCDF file of a run or study")
+    if "status" not in dataset.attrs or "ledger_energy" not in dataset:
+        raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
+    try:
+        attributes = dataset.attrs
+        statistics = {k: v for k, v in attributes.items() if k.startswith(STATISTICS)}
+        provenance = {key: str(attributes[key]) for key in attributes.get(PROVENANCE, "").split()}
+        data = dataset.drop_vars(EXTRA_VARIABLES, errors="ignore")
+        data.attrs = {key: attributes[key] for key in DATA_ATTRIBUTES if key in attributes}
+        return Solution(
+            status=Status[attributes["status"]],
+            data=data,
+            ledger=read_ledger(dataset),
+            statistics={k.removeprefix(STATISTICS): float(v) for k, v in statistics.items()},
+            provenance=provenance,
+            events=read_events(dataset),
+            warnings=read_warnings(attributes),
+        )
+    except (KeyError, ValueError, TypeError, IndexError) as error:
+        found = f"a result without a usable {error}"
+        raise CaseError(path, found, "one that this version wrote") from error

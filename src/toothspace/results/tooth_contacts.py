@@ -67,10 +67,7 @@ class ToothContacts:
 def tooth_contacts(data: xr.Dataset) -> ToothContacts:
     """Contacts of the teeth at the samples of a result.
 
-    Raises
-    ------
-    ToothspaceError
-        If the result has none.
+    Raises ToothspaceError if the result has none.
     """
     if "tooth_force" not in data:
         machine, allowed = (
@@ -106,6 +103,8 @@ def tooth_forces(
 
     Oil that is squeezed out between lobes which come closer does not count.
 
+    As in :class:`ToothContacts`. [N], [rad]
+
     Parameters
     ----------
     angle : ndarray
@@ -117,11 +116,6 @@ def tooth_forces(
     description : MachineDescription
         Machine whose contacts have one outer body about the origin, with a tooth at plus y at
         shaft angle zero and as many teeth as its first family has chambers.
-
-    Returns
-    -------
-    force, place : ndarray
-        As in :class:`ToothContacts`. [N], [rad]
     """
     teeth = description.families[0].count
     body = description.bodies[description.body_index(description.contacts[0].body_b)]
@@ -145,6 +139,8 @@ def contact_azimuth(
 ) -> Array:
     """Angle of a contact about the centre of its outer body, from the y axis.
 
+    Angle, counter-clockwise. [rad]
+
     Parameters
     ----------
     pair : ContactPair
@@ -153,11 +149,6 @@ def contact_azimuth(
         Shaft angles. [rad]
     phase : float
         Table angle of the contact at shaft angle zero. [rad]
-
-    Returns
-    -------
-    ndarray
-        Angle, counter-clockwise. [rad]
     """
     x, y, rotation = (description.motion_index(pair.body_b, a) for a in ("x", "y", "rotation"))
     assert pair.slip_by_motion is not None

@@ -3,19 +3,16 @@
 ===============  ====================================================================
 module           responsibility
 ===============  ====================================================================
-run              a machine with a fluid at a condition, its stages, and its march
+run              a machine with a fluid at a condition, its stages, its march; presets
+                 ``lumped`` and ``films``: chambers until cyclic, or over time
 condition        fluid and operating condition of a case
-interfaces       which model each interface of a machine has, what a run leaves unused
 ideal            preset: kinematic flow and torque
-lumped           presets ``lumped`` and ``films``: chambers until cyclic, or over time
 elastic          preset: lateral films coupled with chambers, floating bearings in balance
 running_in       how deep the gears cut into the casing, computed once and kept
-seats            position of bearing blocks under the pressure forces on them
 film_tables      tables of reduced films in place of closed forms
-solved_films     journal and lateral films of a machine solved on grids
-shared_covers    solved films of bodies that share covers
-heating          temperatures of oil, bodies and films, felt by the films where asked
-heat_network     conductances and capacities between them
+load_orifice     the orifice at the outlet with which the mean pressure is the asked one
+solved_films     films of a machine solved on grids: journals, faces, shared covers
+heating          heat network, and temperatures that the films feel where asked
 stand_alone      the tables ``[bearing]`` and ``[film]`` of a case
 ===============  ====================================================================
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.case.conditions import FluidChoice, OperatingPoint
+from toothspace.case.conditions import FluidChoice
 from toothspace.circuit.circuit import build_circuit
 from toothspace.circuit.restrictions import ReliefValve
 from toothspace.circuit.shaft_loads import shaft_of, speed_of
@@ -25,10 +25,7 @@ _BEYOND_BREAKAWAY = 1.5
 def fluid_keys(case: Case) -> FluidChoice:
     """``[fluid]`` of a case.
 
-    Raises
-    ------
-    CaseError
-        If it has none.
+    Raises CaseError if it has none.
     """
     if case.fluid is None:
         raise CaseError("fluid", "none", "a case with a [fluid] table")
@@ -79,6 +76,8 @@ def condition_of(
 ) -> OperatingCondition:
     """Condition of a case, of its operating point or of its circuit.
 
+    Raises CaseError if the case has neither.
+
     Parameters
     ----------
     case : Case
@@ -87,11 +86,6 @@ def condition_of(
         Its machine.
     fluid : FluidLaw, optional
         Its fluid, computed if not given.
-
-    Raises
-    ------
-    CaseError
-        If the case has neither.
     """
     law = fluid_of(case) if fluid is None else fluid
     if case.circuit is not None:
@@ -99,13 +93,7 @@ def condition_of(
     if case.operating_point is None:
         allowed = "a case with an [operating_point] or a [circuit]"
         raise CaseError("operating_point", "none", allowed)
-    return _steady_condition(case, case.operating_point, description, law)
-
-
-def _steady_condition(
-    case: Case, point: OperatingPoint, description: MachineDescription, fluid: FluidLaw
-) -> OperatingCondition:
-    """Operating condition of a case, before a load orifice is sized."""
+    point = case.operating_point
     line, end, orifice = None, "outlet", point.outlet_load == "orifice"
     if point.line is not None:
         motor = description.mode == "motor"
@@ -113,7 +101,7 @@ def _steady_condition(
         end = "supply" if motor else LINE_END if orifice else "load"
         pressure = point.inlet_pressure if motor else point.outlet_pressure
         volume = description.port_volumes[0 if motor else 1]
-        line = point.line.at_port(port, volume, pressure, end, fluid)
+        line = point.line.at_port(port, volume, pressure, end, law)
     return OperatingCondition(
         shaft_speed=point.shaft_speed,
         inlet_pressure=point.inlet_pressure,

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
-from toothspace.floating.coupled_run import coupled_solution
-from toothspace.floating.coupling import PointRequest
+from toothspace.floating.coupling import PointRequest, coupled_solution
 from toothspace.floating.problem import (
     NO_FLOATING_PART,
     LateralSettings,
@@ -17,10 +16,9 @@ from toothspace.floating.problem import (
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
-from toothspace.run import lumped
-from toothspace.run.heating import lateral_heating, with_heat
-from toothspace.run.interfaces import interface_models
-from toothspace.run.run import Run
+from toothspace.run.heating import HeatSearch, lateral_heating
+from toothspace.run.run import Run, interface_models
+from toothspace.run.run import simulate as simulate_chambers
 
 
 def simulate(run: Run, progress: Progress | None = None) -> Solution:
@@ -30,7 +28,7 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     solved films count already.
     """
     if interface_models(run.case)["lateral"] == "reynolds":
-        return lumped.simulate(run, progress)
+        return simulate_chambers(run, progress)
     require_floating_part(run.case)
     case, balance = run.case, balance_of(run.machine)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
@@ -39,7 +37,10 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     def heated(
         machine: MachineDescription, march: Callable[[MachineDescription], Solution]
     ) -> Solution:
-        return with_heat(case, machine, march(machine), march)
+        heat = HeatSearch(case, machine)
+        while not heat.agree_with(march(heat.machine)):
+            pass
+        return heat.solution
 
     return coupled_solution(
         ready.machine,
@@ -63,10 +64,7 @@ def lateral_settings(case: Case) -> LateralSettings:
 def require_floating_part(case: Case) -> None:
     """Refuse a machine without a floating part in balance before anything is computed.
 
-    Raises
-    ------
-    CaseError
-        If it has none, in the words of the machine type.
+    Raises CaseError if it has none, in the words of the machine type.
     """
     lacking = getattr(case.machine, "missing_floating_part", NO_FLOATING_PART)
     if lacking:

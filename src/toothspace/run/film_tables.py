@@ -48,6 +48,8 @@ def with_film_tables(
 ) -> tuple[MachineDescription, tuple[str, ...]]:
     """Machine that takes its films from tables.
 
+    Raises CaseError if the file holds no film tables, or those of another machine.
+
     Parameters
     ----------
     description : MachineDescription
@@ -61,11 +63,6 @@ def with_film_tables(
         The machine with every kind of film in the file replaced.
     tuple of str
         Interfaces that were replaced.
-
-    Raises
-    ------
-    CaseError
-        If the file holds no film tables, or those of another machine.
     """
     try:
         tables = read_dataset(path, "a NetCDF file of 'toothspace reduce'")
@@ -119,10 +116,7 @@ def friction_curves(row: xr.Dataset) -> FrictionCurves:
 def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> MachineDescription:
     """Machine whose lateral films take drag and leakage from tables over axial loads.
 
-    Raises
-    ------
-    CaseError
-        If the machine has no floating bearing, or the tables are of another size.
+    Raises CaseError if the machine has no floating bearing, or the tables are of another size.
     """
     balance = description.lateral_balance
     if balance is None:

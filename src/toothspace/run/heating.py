@@ -1,32 +1,40 @@
-"""Temperatures of a machine and of films, and how they thin the oil."""
+r"""Temperatures of oil, bodies and films of a machine, and how they thin the oil.
+
+They follow from a small network of heat flows. Oil enters at the temperature of the supply, takes
+up what is throttled in the chambers and what the bodies give to it, and leaves through the outlet.
+A part leaks beside the faces, flows on through the bearings and is the drain. Films conduct to the
+two bodies between which they lie, teeth and walls exchange heat with the oil in the chambers:
+
+.. math::
+
+    C_i \dot T_i = Q_i + \sum_j G_{ij} (T_j - T_i) + \sum_j \dot m_{ji} c\, (T_j - T_i)
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.core.constants import ZERO_CELSIUS
+from toothspace.case.conditions import HeatSettings
+from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.films.thermal import FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import LiquidState, liquid_at, temperature_range
-from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.model.lumped_films import lateral_face_torque
+from toothspace.model.path_category import DRAIN, LATERAL, LATERAL_PATHS
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.roots import root_between
 from toothspace.results.performance import drain_flow
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.run.condition import fluid_keys, fluid_temperature
-from toothspace.run.heat_network import (
-    HeatFlows,
-    HeatNetwork,
-    heat_network,
-    journal_node,
-    lateral_node,
-)
 
 _AGREED = 0.1
 """Change of a film temperature between two rounds that is left. [K]"""
@@ -46,13 +54,12 @@ _NOT_AGREED = (
 )
 
 
-def with_heat(
-    case: Case,
-    description: MachineDescription,
-    solution: Solution,
-    march: Callable[[MachineDescription], Solution],
-) -> Solution:
-    """Solution with the temperatures of oil, bodies and films, which ``coupled`` films feel.
+@final
+class HeatSearch:
+    """Temperatures with which films give off the heat that warms them.
+
+    Films of a ``coupled`` case thin with their heat and then leave less of it; a run with each
+    guess leads to the next one. Other films keep the temperature of the fluid.
 
     Parameters
     ----------
@@ -60,53 +67,57 @@ def with_heat(
         Case with an operating point and ``[heat]``.
     description : MachineDescription
         Its machine, with films as cold as the fluid.
-    solution : Solution
-        That of this machine.
-    march : callable
-        Solution of a machine whose films have other viscosities.
     """
-    if case.heat.model != "coupled" or solution.status is not Status.DONE:
-        return with_temperatures(case, description, solution)
-    cold, found = solution, _temperatures(case, description, solution)
-    supply, mixing = np.full(len(found[1]), fluid_temperature(case)), Mixing(_REMEMBERED)
-    highest = temperature_range(fluid_keys(case).source)[1]
-    tried = supply
-    for done in range(_ROUNDS + 1):
-        reached = np.array(list(found[1].values()))
-        change = float(np.abs(reached - tried).max())
-        if change < _AGREED or done == _ROUNDS:
-            break
-        if tried.max() >= highest and reached.max() > highest:
-            told = _TOO_WARM.format(reached.max() - ZERO_CELSIUS, highest - ZERO_CELSIUS)
-            return with_temperatures(case, description, cold).short_of(told)
-        following = mixing.following(tried, reached - tried)
-        if done == 0:
+
+    def __init__(self, case: Case, description: MachineDescription) -> None:
+        self.machine = description
+        """The machine with films as warm as the present guess."""
+        self._case, self._description = case, description
+        self._mixing, self._rounds, self._warning = Mixing(_REMEMBERED), 0, ""
+        self._heat: tuple[HeatNetwork, dict[str, float]] | None = None
+
+    def agree_with(self, found: Solution) -> bool:
+        """Whether films are as warm as a run makes them, or no better guess is to be had."""
+        case, self._solution = self._case, found
+        if case.heat.model == "adiabatic" or found.status is not Status.DONE:
+            self._heat = None
+            return True
+        _, temperature = self._heat = _temperatures(case, self._description, found)
+        if case.heat.model != "coupled":
+            return True
+        reached, supply = np.array(list(temperature.values())), fluid_temperature(case)
+        highest = temperature_range(fluid_keys(case).source)[1]
+        if self._rounds == 0:
+            self._cold, self._tried = (found, self._heat), np.full(reached.size, supply)
+        change = float(np.abs(reached - self._tried).max())
+        if change < _AGREED:
+            return True
+        if self._rounds == _ROUNDS:
+            self._warning = _NOT_AGREED.format(change)
+            return True
+        if self._tried.max() >= highest and reached.max() > highest:
+            self._solution, self._heat = self._cold
+            self._warning = _TOO_WARM.format(reached.max() - ZERO_CELSIUS, highest - ZERO_CELSIUS)
+            return True
+        following = self._mixing.following(self._tried, reached - self._tried)
+        if self._rounds == 0:
             following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)
-        tried = np.clip(following, supply, highest)
-        warm = _warmed(case, description, dict(zip(found[1], tried, strict=True)))
-        solution = march(warm)
-        if solution.status is not Status.DONE:
-            return solution
-        found = _temperatures(case, description, solution)
-    missed = "" if change < _AGREED else _NOT_AGREED.format(change)
-    return _told(solution, *found).short_of(missed)
+        self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
+        warm = dict(zip(temperature, self._tried, strict=True))
+        self.machine = _warmed(case, self._description, warm)
+        return False
 
-
-def with_temperatures(case: Case, description: MachineDescription, solution: Solution) -> Solution:
-    """Solution with the temperatures that its powers and flows give, which it does not feel.
-
-    Parameters
-    ----------
-    case : Case
-        Case with an operating point and ``[heat]``.
-    description : MachineDescription
-        Machine of the solution.
-    solution : Solution
-        Finished or not; only a finished one of a case that is not adiabatic has temperatures.
-    """
-    if case.heat.model == "adiabatic" or solution.status is not Status.DONE:
-        return solution
-    return _told(solution, *_temperatures(case, description, solution))
+    @property
+    def solution(self) -> Solution:
+        """The last run with the temperatures that its powers and flows give."""
+        if self._heat is None:
+            return self._solution
+        network, temperature = self._heat
+        values = {"temperature": list(temperature.values())}
+        nodes = dataset_from(values, {"heat_node": list(temperature)})
+        data = self._solution.data.merge(nodes, combine_attrs="override")
+        told = replace(self._solution, data=data)
+        return told.with_note(warm_up_time=network.warm_up_time).short_of(self._warning)
 
 
 def _sheared_share(case: Case, reached: float, highest: float) -> float:
@@ -164,14 +175,6 @@ def _warmed(
     return replace(description, laterals=laterals, journals=journals, paths=paths)
 
 
-def _told(solution: Solution, network: HeatNetwork, temperature: Mapping[str, float]) -> Solution:
-    found = dataset_from(
-        {"temperature": list(temperature.values())}, {"heat_node": list(temperature)}
-    )
-    data = solution.data.merge(found, combine_attrs="override")
-    return replace(solution, data=data).with_note(warm_up_time=network.warm_up_time)
-
-
 def lateral_heating(case: Case) -> FilmHeating | None:
     """How lateral films of a machine warm up, None where they keep the temperature of the fluid.
 
@@ -210,3 +213,250 @@ def liquid_of(case: Case, temperature: float | None = None) -> LiquidState:
     choice = fluid_keys(case)
     given = choice.temperature if temperature is None else temperature
     return liquid_at(choice.source, given)
+
+
+OIL, WALLS, DRAIN_OIL, OUTLET = "chambers", "casing", "drain", "outlet"
+"""Nodes besides the bodies and their films."""
+_LEAST = 1e-6
+"""Conductance that gives oil at rest and dry bodies a temperature. [W/K]"""
+STEEL_HEAT_CAPACITY = 460.0
+"""Specific heat capacity of steel. [J/(kg K)]"""
+
+
+def lateral_node(body: str) -> str:
+    """Name of the film beside the faces of a body."""
+    return f"lateral_film.{body}"
+
+
+def journal_node(body: str) -> str:
+    """Name of the film in the bearings of a body."""
+    return f"journal_film.{body}"
+
+
+@final
+@dataclass(frozen=True)
+class HeatFlows:
+    """Mean powers and flows of a run that heat and carry heat."""
+
+    shaft_speed: float
+    """Mean speed of the shaft. [rad/s]"""
+    losses: Mapping[str, float]
+    """Dissipated power by the accounts of the energy ledger. [W]"""
+    through_flow: float
+    """Mass that enters by the supply port per time. [kg/s]"""
+    drain_flow: float
+    """Mass that leaks from the chambers to the drain per time. [kg/s]"""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class HeatNetwork:
+    """Linear balance of heat flows between the nodes of a machine."""
+
+    names: tuple[str, ...]
+    """Nodes."""
+    power: Array
+    """Heat produced in each node. [W]"""
+    exchange: Array
+    """Conductance between two nodes, symmetric. Shape (nodes, nodes). [W/K]"""
+    streams: Array
+    """Heat capacity of the oil that flows from one node (row) to another (column). Shape (nodes,
+    nodes). [W/K]
+    """
+    from_supply: Array
+    """The same from the supply to each node. [W/K]"""
+    supply_temperature: float
+    """Temperature of the supply. [K]"""
+    to_ambient: Array
+    """Conductance to the surroundings. [W/K]"""
+    ambient_temperature: float
+    """Temperature of the surroundings. [K]"""
+    heat_capacity: Array
+    """Heat capacity of each node. [J/K]"""
+
+    def _balance(self) -> tuple[Array, Array]:
+        """Matrix and right-hand side of ``C dT/dt = b - A T``. [W/K], [W]."""
+        into = self.streams.sum(axis=0) + self.from_supply + self.to_ambient
+        matrix = np.diag(self.exchange.sum(axis=1) + into) - self.exchange - self.streams.T
+        given = self.power + self.from_supply * self.supply_temperature
+        return matrix, given + self.to_ambient * self.ambient_temperature
+
+    def steady(self) -> dict[str, float]:
+        """Temperatures that last. [K]."""
+        matrix, given = self._balance()
+        return self._named(np.asarray(np.linalg.solve(matrix, given), dtype=float))
+
+    def after(self, duration: float) -> dict[str, float]:
+        """Temperatures a time after the machine was as warm as its supply. [K].
+
+        Parameters
+        ----------
+        duration : float
+            Time at the same powers and flows. [s]
+        """
+        from scipy.linalg import expm
+
+        matrix, given = self._balance()
+        lasting = np.linalg.solve(matrix, given)
+        fading = expm(-matrix / self.heat_capacity[:, None] * duration)
+        return self._named(lasting + fading @ (self.supply_temperature - lasting))
+
+    @property
+    def warm_up_time(self) -> float:
+        """Time constant of the slowest part of warming up. [s]."""
+        matrix, _ = self._balance()
+        rates = np.linalg.eigvals(matrix / self.heat_capacity[:, None])
+        return float(1.0 / np.min(rates.real))
+
+    def _named(self, temperature: Array) -> dict[str, float]:
+        return dict(zip(self.names, temperature.tolist(), strict=True))
+
+
+def heat_network(
+    description: MachineDescription,
+    liquid: LiquidState,
+    supply_temperature: float,
+    flows: HeatFlows,
+    settings: HeatSettings,
+) -> HeatNetwork:
+    """Network of a machine at the mean powers and flows of a run.
+
+    Nodes: oil of the chambers, bodies, casing with bearing blocks, films, drain, outlet.
+
+    Parameters
+    ----------
+    liquid : LiquidState
+        Its oil at the temperature of the supply.
+    supply_temperature : float
+        Temperature of the oil that enters. [K]
+    settings : HeatSettings
+        ``[heat]`` of the case.
+
+    Notes
+    -----
+    Throttling and the shear of tip gaps heat the oil of the chambers, contacts heat all bodies,
+    the seal heats the shaft. Lateral and journal losses are shared among the bodies as their
+    drag is. The walls round the chambers have the wetted area of the bodies. A body and the
+    casing have one temperature each, so temperatures within them are left out.
+    """
+    capacity = liquid.density * liquid.specific_heat_capacity
+    bodies = [body.name for body in description.bodies]
+    faces = [film.body for film in description.laterals]
+    bearings = [journal.body for journal in description.journals]
+    names = (
+        OIL, OUTLET, DRAIN_OIL, WALLS, *bodies, *map(lateral_node, faces),
+        *map(journal_node, bearings),
+    )  # fmt: skip
+    place = {name: k for k, name in enumerate(names)}
+    conductance, streams = np.zeros((2, len(names), len(names)))
+    power, supply, ambient, heat_capacity = np.zeros((4, len(names)))
+
+    def join(first: str, second: str, value: float) -> None:
+        conductance[place[first], place[second]] += value
+        conductance[place[second], place[first]] += value
+
+    losses = dict(flows.losses)
+    seal, contact = losses.pop("shaft_seal", 0.0), 0.0
+    for account in ("mesh_friction", "contact_friction", "contact_damping"):
+        contact += losses.pop(account, 0.0)
+    beside = sum(losses.pop(k, 0.0) for k in ("lateral_viscous", "lateral_asperity"))
+    beside += losses.pop(LATERAL.account, 0.0) + losses.pop(DRAIN.account, 0.0)
+    journals = sum(losses.pop(k, 0.0) for k in ("journal_viscous", "journal_asperity"))
+    for outside in ("circuit", "coupling", "startup"):
+        losses.pop(outside, None)
+    power[place[OIL]] = sum(losses.values()) + (0.0 if faces else beside)
+    power[place[DRAIN_OIL]] = 0.0 if bearings else journals
+
+    number = liquid.dynamic_viscosity * liquid.specific_heat_capacity / settings.oil_conductivity
+    for body in description.bodies:
+        power[place[body.name]] = contact / len(bodies) + (seal if body.role == "shaft" else 0.0)
+        heat_capacity[place[body.name]] = STEEL_HEAT_CAPACITY * body.mass
+        wetted = _LEAST
+        if body.wetted_area > 0.0:
+            wetted += body.wetted_area * turning_body_coefficient(
+                settings.oil_conductivity,
+                _diameter(description, body.name),
+                body.speed_ratio * flows.shaft_speed,
+                liquid.dynamic_viscosity / liquid.density,
+                number,
+            )
+        join(body.name, OIL, wetted)
+        join(WALLS, OIL, wetted)
+    ambient[place[WALLS]] = settings.housing_conductance
+    heat_capacity[place[WALLS]] = settings.casing_heat_capacity
+
+    ratio = {body.name: abs(body.speed_ratio) for body in description.bodies}
+    drag = [f.faces * lateral_face_torque(f) * ratio[f.body] ** 2 for f in description.laterals]
+    for film, share in zip(description.laterals, _shares(drag), strict=True):
+        node = lateral_node(film.body)
+        full = np.pi * (film.root_radius**2 - film.inner_radius**2)
+        teeth = film.tooth_area_fraction * np.pi * (film.outer_radius**2 - film.root_radius**2)
+        area = film.faces * (full + teeth)
+        wall = film_wall_conductance(settings.oil_conductivity, area, film.height)
+        join(node, film.body, wall)
+        join(node, WALLS, wall)
+        power[place[node]] = share * beside
+        heat_capacity[place[node]] = capacity * area * film.height
+    shear = [
+        j.count * j.length * j.diameter**3 / j.radial_clearance * ratio[j.body] ** 2
+        for j in description.journals
+    ]
+    for journal, share in zip(description.journals, _shares(shear), strict=True):
+        node = journal_node(journal.body)
+        area = journal.count * np.pi * journal.diameter * journal.length
+        clearance = journal.radial_clearance
+        wall = film_wall_conductance(settings.oil_conductivity, area, clearance)
+        join(node, journal.body, wall)
+        join(node, WALLS, wall)
+        power[place[node]] = share * journals
+        heat_capacity[place[node]] = capacity * area * clearance
+
+    leak = max(flows.drain_flow, 0.0) * liquid.specific_heat_capacity
+    flushing = settings.bearing_flushing * capacity
+    for name in faces:
+        part, node = leak / len(faces), lateral_node(name)
+        streams[place[OIL], place[node]] += part
+        streams[place[node], place[journal_node(name) if name in bearings else DRAIN_OIL]] += part
+    for name in bearings:
+        node = journal_node(name)
+        supply[place[node]] = flushing / len(bearings)
+        streams[place[node], place[DRAIN_OIL]] = streams[:, place[node]].sum() + supply[place[node]]
+    drained = streams[:, place[DRAIN_OIL]].sum()
+    through = flows.through_flow * liquid.specific_heat_capacity
+    supply[place[OIL]] = max(through - flushing, 0.0)
+    leaves = through - (drained if description.drain != "inlet" else 0.0)
+    streams[place[OIL], place[OUTLET]] = max(leaves, 0.0)
+    if description.drain != "external":
+        target = OIL if description.drain == "inlet" else OUTLET
+        streams[place[DRAIN_OIL], place[target]] = drained
+    volumes = (family.volume(family.phases)[..., 0].sum() for family in description.families)
+    heat_capacity[place[OIL]] = capacity * sum(volumes)
+    heat_capacity[place[OUTLET]] = capacity * description.port_volumes[1]
+    heat_capacity[place[DRAIN_OIL]] = heat_capacity[place[OIL]] if drained > 0.0 else _LEAST
+    join(OUTLET, OIL, _LEAST)
+    join(DRAIN_OIL, WALLS, _LEAST)
+    return HeatNetwork(
+        names=names,
+        power=power,
+        exchange=conductance,
+        streams=streams,
+        from_supply=supply,
+        supply_temperature=supply_temperature,
+        to_ambient=ambient,
+        ambient_temperature=settings.ambient_temperature,
+        heat_capacity=heat_capacity,
+    )
+
+
+def _shares(weights: list[float]) -> Array:
+    total = sum(weights)
+    return np.asarray(weights) / total if total > 0.0 else np.full(len(weights), 0.0)
+
+
+def _diameter(description: MachineDescription, body: str) -> float:
+    """Diameter at the teeth of a body, or of what it wets if it has no film beside it. [m]."""
+    for film in description.laterals:
+        if film.body == body:
+            return 2.0 * film.outer_radius
+    outline = description.outlines[body]
+    return 2.0 * float(np.hypot(*outline.T).max())

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from toothspace.closures.density import mixture_density
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
-from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.run.run import Run
 from toothspace.solver.cyclic import DENSE
-from toothspace.solver.look import SEEN, openings
+from toothspace.solver.lost_flow import SEEN, openings
 from toothspace.solver.outcome import attributes_of
 
 _JOINING_GAP = 5e-6
@@ -109,7 +107,12 @@ def outlet_members(
     if not dual_flank:
         for path in description.paths:
             if path.category.role == "mesh":
-                _join(group, path, shaft_angle)
+                geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle[:, None])
+                open_gap = (geometry[..., 0] > _JOINING_GAP) & (geometry[..., 1] > 0.0)
+                partner = path.partners(shaft_angle)
+                for row, column in zip(*np.nonzero(open_gap), strict=True):
+                    a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
+                    group[row][group[row] == max(a, b)] = min(a, b)
     total = np.zeros_like(preference)
     shrinking = np.zeros_like(preference)
     rows = np.arange(shaft_angle.size)[:, None]
@@ -117,15 +120,6 @@ def outlet_members(
     np.add.at(shrinking, (rows, group), -rate)
     total, shrinking = total[rows, group], shrinking[rows, group]
     return np.where(np.abs(total) > 1e-15, total, shrinking) > 0.0
-
-
-def _join(group: Any, path: FlowPath, shaft_angle: Array) -> None:
-    geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle[:, None])
-    open_gap = (geometry[..., 0] > _JOINING_GAP) & (geometry[..., 1] > 0.0)
-    partner = path.partners(shaft_angle)
-    for row, column in zip(*np.nonzero(open_gap), strict=True):
-        a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
-        group[row][group[row] == max(a, b)] = min(a, b)
 
 
 def _volume_rates(description: MachineDescription, shaft_angle: Array) -> Array:

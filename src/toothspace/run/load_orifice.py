@@ -19,7 +19,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.case.rules import LEAST_LOAD
+from toothspace.case.case_tables import LEAST_LOAD
 from toothspace.closures.density import mixture_density
 from toothspace.closures.orifice import (
     DISCHARGE_COEFFICIENT,
@@ -33,7 +33,7 @@ from toothspace.core.types import Array
 from toothspace.core.units import format_si
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
-from toothspace.model.walls import wall_volume
+from toothspace.model.chambers import wall_volume
 from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
 from toothspace.solver.accuracy import balanced
@@ -240,7 +240,9 @@ def _takes_back(
         if tried.slope == 0.0:
             break
         nothing = tried.pressure - tried.delivered / tried.slope
-        asked = _rounded_down(condition.load_pressure + _MARGIN * nothing)
+        pressure = condition.load_pressure + _MARGIN * nothing
+        digit = 10.0 ** (math.floor(math.log10(pressure)) - 1)
+        asked = digit * math.floor(pressure / digit)
         if asked < least:
             break
         history = _held(system, asked, plan, progress)
@@ -254,12 +256,6 @@ def _takes_back(
         speed=format_si(condition.shaft_speed, "rpm"),
         advice=advice,
     )
-
-
-def _rounded_down(pressure: float) -> float:
-    """Next lower pressure of two digits. [Pa]."""
-    digit = 10.0 ** (math.floor(math.log10(pressure)) - 1)
-    return digit * math.floor(pressure / digit)
 
 
 def outlet_balance(history: History) -> OutletBalance:

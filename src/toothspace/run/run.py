@@ -1,36 +1,40 @@
-"""One machine with one fluid at one condition, and the march that solves it."""
+"""One machine with one fluid at one condition, its march, and the presets that only march.
+
+With lateral films from a table, bearing blocks take the position that their load gives them.
+"""
 
 from __future__ import annotations
 
 import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
+from operator import attrgetter
 from typing import Any, cast, final
 
 import numpy as np
 
 import toothspace
 from toothspace.case import Case
-from toothspace.case.presets import ELASTIC
+from toothspace.case.conditions import RunSettings
+from toothspace.case.presets import ELASTIC, PRESETS
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.compilation.library import compiler_version
+from toothspace.core.errors import CaseError
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.results.solution import Solution
-from toothspace.results.startup import standing
+from toothspace.numerics.roots import next_change
+from toothspace.results.solution import Solution, standing
 from toothspace.run.condition import fluid_temperature
-from toothspace.run.interfaces import interface_models
+from toothspace.run.heating import HeatSearch
 from toothspace.run.load_orifice import march_against_orifice
 from toothspace.run.running_in import Tracks, run_in
-from toothspace.run.seats import SeatSearch
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
 from toothspace.solver.outcome import solution_from
-from toothspace.solver.transient import TimePlan, TransientMarch
-from toothspace.solver.transient_outcome import transient_solution
+from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
 
 @final
@@ -178,6 +182,133 @@ def provenance_of(case: Case) -> dict[str, str]:
         "preset": case.run.fidelity,
         "overrides": "\n".join(case.overrides),
         "python_version": platform.python_version(),
-        "numba_version": version("numba"),
+        "numba_version": compiler_version(),
         "numpy_version": np.__version__,
     }
+
+
+_RARELY = 0.01
+_LONGEST_CHANGE = 4.0
+"""Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
+_SEAT_ROUNDS, _SEATED = 8, 0.05
+"""Most runs, and difference of leakage, until position and load of the bearings agree."""
+_BEYOND = (
+    "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
+    "counts as its edge: make tables over a wider range."
+)
+_UNSEATED = (
+    "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
+    "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
+    "or solve the films with fidelity 'elastic'."
+)
+
+
+@final
+class SeatSearch:
+    """Leakage of tabulated lateral films with which the bearing blocks of a machine are seated.
+
+    The blocks take their seats under the pressures that the gaps leave, and the gaps follow from
+    the load on the seated blocks; a run with each guess leads to the next one.
+    """
+
+    def __init__(self, machine: MachineDescription) -> None:
+        self.machine = machine
+        """The machine with the present guess."""
+        self._tried: list[tuple[float, float]] = []
+        self._unsettled = ""
+
+    def agree_with(self, found: Solution) -> bool:
+        """Whether seats and gaps of a run agree, or no better guess is to be had; else the next."""
+        table = self.machine.lateral_table
+        if table is None or found.status is not Status.DONE:
+            return True
+        more = float(found.data["lateral_leakage_factor"].mean()) / table.seat_factor
+        if abs(more - 1.0) < _SEATED:
+            return True
+        self._tried.append((np.log(table.seat_factor), np.log(more)))
+        if len(self._tried) == _SEAT_ROUNDS:
+            self._unsettled = _UNSEATED.format(more)
+            return True
+        seat = table.seat_factor * float(np.exp(next_change(self._tried, _LONGEST_CHANGE)))
+        self.machine = replace(self.machine, lateral_table=replace(table, seat_factor=seat))
+        return False
+
+    def noted(self, found: Solution) -> Solution:
+        """Solution that says so where a table does not reach, or seats and gaps do not agree."""
+        if self.machine.lateral_table is None:
+            return found
+        turning = np.asarray(found.data["shaft_speed"]) != 0.0
+        samples = np.asarray(found.data["lateral_load_beyond"])
+        beyond = float(samples[turning].mean()) if turning.any() else 0.0
+        said = found.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
+        return said.short_of(self._unsettled)
+
+
+def unused_tables(case: Case) -> dict[str, str]:
+    """Tables and keys of a case that its run does not use, as they are written, with the reason."""
+    run, tables = case.run, getattr(case.machine, "part_tables", {})
+    reasons = dict.fromkeys(run.preset.unused, f"by a run with {run.fidelity!r}")
+    if case.circuit is not None:
+        reasons.pop("startup", None)  # a circuit lets the shaft turn freely
+    if run.film_tables is not None:
+        reasons.pop("floating_part", None)
+    if run.deformation != "bodies":
+        reasons.setdefault("elastic_bodies", f"with run.deformation = {run.deformation!r}")
+    if interface_models(case).get("lateral") != "reynolds":
+        reasons.setdefault("free_bodies", "without run.interfaces.lateral = 'reynolds'")
+    given: dict[str, str] = {}
+    for part in filter(tables.__contains__, reasons):
+        path, value = f"machine.{tables[part]}", attrgetter(tables[part])(case.machine)
+        if value not in (None, "given"):
+            given[path if isinstance(value, str) else f"[{path}]"] = reasons[part]
+    if case.heat.model == "coupled" and (case.circuit is not None or not run.preset.has_losses):
+        where = "over time" if case.circuit is not None else f"with {run.fidelity!r}"
+        given["heat.model"] = f"by a run {where}"
+    for key in (name for preset in PRESETS.values() for name in preset.own_keys):
+        if not run.preset.reads(key) and getattr(run, key) != getattr(RunSettings, key):
+            given[f"run.{key}"] = f"by a run with {run.fidelity!r}"
+    return given
+
+
+def interface_models(
+    case: Case, tables: tuple[str, ...] = (), *, rigid_mesh: bool = True
+) -> dict[str, str]:
+    """Model of each interface in a run of a case.
+
+    Raises CaseError if the case chooses a model that its preset does not offer.
+
+    Parameters
+    ----------
+    tables : tuple of str
+        Interfaces whose films come from the tables of the case.
+    rigid_mesh : bool
+        Whether the machine offers a rigid mesh.
+    """
+    preset = case.run.preset
+    models = {name: offered[0] for name, offered in preset.interfaces.items()}
+    if models and (case.run.mesh == "elastic" or not rigid_mesh):
+        models["contact"] = "compliant"
+    if "elastic" in models.values() and getattr(case.machine, "covers_rest", False):
+        models["lateral"] = "reynolds"
+    for name in tables:
+        models[name] = "table"
+    chosen = case.run.interfaces
+    for name, model in {} if chosen is None else chosen.given.items():
+        offered = [m for m in preset.interfaces.get(name, ()) if m != "table"]
+        if name in tables or model not in offered:
+            found = f"{model!r} with {'tables of these films' if name in tables else preset.name!r}"
+            allowed = "no choice" if name in tables else " or ".join(map(repr, offered)) or "none"
+            raise CaseError(f"run.interfaces.{name}", found, allowed)
+        models[name] = model
+    return models
+
+
+def simulate(run: Run, progress: Progress | None = None) -> Solution:
+    """Cyclic state of a machine at its operating point, or its way through time in a circuit."""
+    ready = run.worn(progress).with_films(progress)
+    if ready.condition.over_time:
+        return ready.march(progress)
+    march, heat = ready.repeated(progress), HeatSearch(ready.case, ready.machine)
+    while not heat.agree_with(march(heat.machine)):
+        pass
+    return heat.solution

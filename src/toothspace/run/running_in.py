@@ -11,12 +11,12 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
-from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.compiled import cache_root, digest_of_sources
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.files import keep_arrays, load_arrays
 from toothspace.core.progress import Progress, part
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
@@ -88,10 +88,7 @@ class Tracks:
 def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:
     """Cut the casing at the break-in condition; taken from disk if it was computed before.
 
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted.
+    Raises KeyboardInterrupt if interrupted.
     """
     state = machine.running_in
     if state is None:

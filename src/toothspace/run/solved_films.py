@@ -1,9 +1,13 @@
-"""Journal and lateral films of a machine solved on grids, as in the ``films`` preset."""
+"""Journal and lateral films of a machine solved on grids, as in the ``films`` preset.
+
+Bodies that share covers have films on their faces and round the rim.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import final
 
 import numpy as np
 
@@ -11,12 +15,15 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.map import solved_journal
+from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
 from toothspace.films.plane.conductance import (
     LARGEST,
+    FaceConductance,
     FaceResolution,
     face_conductance,
     gap_table,
     over_turn,
+    shared_paths,
 )
 from toothspace.model.description import (
     FlowPath,
@@ -24,11 +31,11 @@ from toothspace.model.description import (
     LumpedLateralFilm,
     MachineDescription,
 )
+from toothspace.model.film_faces import FacePlaces, SharedFaces
 from toothspace.model.lumped_films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
-from toothspace.run.shared_covers import solved_covers, with_shared_films
 
 SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
 """Films of both interfaces that can be solved for a machine."""
@@ -46,6 +53,11 @@ def with_solved_films(
 ) -> MachineDescription:
     """Machine whose journal and lateral films follow from solved Reynolds equations.
 
+    The same machine with impedance maps of its journal films, and with the conductances of its
+    lateral films between chambers, relief grooves and shaft over the angle.
+
+    Raises CaseError if the machine type does not give the outlines of its faces.
+
     Parameters
     ----------
     description : MachineDescription
@@ -55,17 +67,6 @@ def with_solved_films(
     models : mapping of str to str
         Model of each interface; those with ``reynolds`` are solved, the others stay.
 
-    Returns
-    -------
-    MachineDescription
-        The same machine with impedance maps of its journal films, and with the conductances of
-        its lateral films between chambers, relief grooves and shaft over the angle.
-
-    Raises
-    ------
-    CaseError
-        If the machine type does not give the outlines of its faces.
-
     Notes
     -----
     Rigid faces, parallel but where bodies find their places between covers; the tilt of a given
@@ -73,33 +74,33 @@ def with_solved_films(
     parallel or curved gap is the exact solution there.
     """
     if models["lateral"] == "reynolds":
-        description = _with_solved_faces(description, condition, fluid)
+        if description.shared_faces is not None:
+            description = with_shared_films(
+                description, solved_covers(description, condition, fluid)
+            )
+        else:
+            if all(film.face is None for film in description.laterals):
+                found = "'reynolds' for a machine that gives the outline of none of its faces"
+                raise CaseError("run.interfaces.lateral", found, "'closed_form'")
+            faces = {
+                f.body: _Face(description, f) for f in description.laterals if f.face is not None
+            }
+            replaced = {
+                path.name for face in faces.values() for path in (face.across, face.inwards)
+            }
+            kept = [path for path in description.paths if path.name not in replaced]
+            description = replace(
+                description,
+                paths=(*kept, *(path for face in faces.values() for path in face.paths())),
+                laterals=tuple(
+                    film if film.face is None else faces[film.body].film()
+                    for film in description.laterals
+                ),
+            )
     if models["journal"] == "reynolds":
         journals = tuple(_solved(journal) for journal in description.journals)
         description = replace(description, journals=journals)
     return description
-
-
-def _with_solved_faces(
-    description: MachineDescription,
-    condition: OperatingCondition | None,
-    fluid: FluidLaw | None,
-) -> MachineDescription:
-    if description.shared_faces is not None:
-        return with_shared_films(description, solved_covers(description, condition, fluid))
-    if all(film.face is None for film in description.laterals):
-        found = "'reynolds' for a machine that gives the outline of none of its faces"
-        raise CaseError("run.interfaces.lateral", found, "'closed_form'")
-    faces = {f.body: _Face(description, f) for f in description.laterals if f.face is not None}
-    replaced = {path.name for face in faces.values() for path in (face.across, face.inwards)}
-    kept = [path for path in description.paths if path.name not in replaced]
-    return replace(
-        description,
-        paths=(*kept, *(path for face in faces.values() for path in face.paths())),
-        laterals=tuple(
-            film if film.face is None else faces[film.body].film() for film in description.laterals
-        ),
-    )
 
 
 def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
@@ -187,3 +188,139 @@ def _path(description: MachineDescription, category: PathCategory, nodes: IntArr
         if path.category == category and np.isin(path.nodes_a, nodes).all():
             return path
     raise CaseError("run.fidelity", f"'films' without {category.name} paths", "are faces")
+
+
+_COVER_RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class CoverFilms:
+    """Films before every cover of a machine."""
+
+    films: tuple[FaceConductance, ...]
+    """Conductances, supporting areas and drag."""
+    places: FacePlaces | None = None
+    """Where bodies stand that move between the covers."""
+    asperity_torque: Mapping[str, float] = field(default_factory=dict)
+    """Mean torque of touching asperities on a body. [N m]"""
+    shear_speed: float = 0.0
+    """Viscosity times shaft speed of the film's shear. [Pa]"""
+
+
+def with_shared_films(
+    description: MachineDescription, solved: CoverFilms | None = None
+) -> MachineDescription:
+    """Machine whose films at shared covers and round the rim follow from Reynolds equations.
+
+    The machine with more chambers: those of the rim film stand in the place of the one in closed
+    form. Unequal gaps of the covers enter one path with their cubes, and the drag of a body with
+    their inverse.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with ``shared_faces``.
+    solved : CoverFilms, optional
+        Films of its covers, if they are known already.
+    """
+    faces = description.shared_faces
+    assert faces is not None
+    solved = solved or solved_covers(description)
+    ratios = {body.name: body.speed_ratio for body in description.bodies}
+    count = faces.face.sector_phases.size
+    kept = [path for path in description.paths if path.name not in faces.replaced]
+    covers = tuple(
+        replace(
+            cover,
+            recesses=_moved_up(cover.recesses, faces, count),
+            inner_node=cover.inner_node + count - 1,
+        )
+        for cover in faces.covers
+    )
+    moved = replace(faces, covers=covers)
+    height = float(np.mean([cover.gap**3 for cover in faces.covers]) ** (1.0 / 3.0))
+    sectors = faces.rim.chamber + np.arange(count)
+    return replace(
+        description,
+        families=(*faces.families, sector_family(description, faces)),
+        paths=(
+            *(
+                replace(
+                    path,
+                    nodes_a=_moved_up(path.nodes_a, faces, count),
+                    nodes_b=_moved_up(path.nodes_b, faces, count),
+                )
+                for path in kept
+            ),
+            *shared_paths(moved, solved.films, height),
+            *rim_paths(description, moved, sectors),
+        ),
+        laterals=tuple(
+            _film(film, faces, solved, ratios[film.body]) for film in description.laterals
+        ),
+        journals=tuple(
+            without_film_force(j) if j.body == faces.rim.body else j for j in description.journals
+        ),
+        shared_faces=None,
+        face_places=solved.places,
+        rings_on_films=True,
+    )
+
+
+def solved_covers(
+    description: MachineDescription,
+    condition: OperatingCondition | None = None,
+    fluid: FluidLaw | None = None,
+) -> CoverFilms:
+    """Films before every cover of a machine with ``shared_faces``.
+
+    Parameters
+    ----------
+    condition, fluid : optional
+        Where bodies that move between the covers find their places; without these they stand
+        parallel in the gaps of the covers.
+    """
+    faces = description.shared_faces
+    assert faces is not None
+    if faces.motion == "none" or condition is None or fluid is None:
+        return CoverFilms(
+            tuple(face_conductance(cover, _COVER_RESOLUTION) for cover in faces.covers)
+        )
+    # loaded where bodies float between the covers alone
+    from toothspace.floating.between_covers import bodies_between_covers
+
+    pitch = faces.face.chambers.pitch
+    turn = pitch * np.arange(_COVER_RESOLUTION.angles) / _COVER_RESOLUTION.angles
+    found = bodies_between_covers(description, condition, fluid, turn)
+    films = tuple(
+        face_conductance(cover, _COVER_RESOLUTION, planes)
+        for cover, planes in zip(faces.covers, found.planes, strict=True)
+    )
+    shear_speed = fluid.dynamic_viscosity * condition.shaft_speed
+    return CoverFilms(films, found.places, found.asperity_torque, shear_speed)
+
+
+def _film(
+    film: LumpedLateralFilm, faces: SharedFaces, solved: CoverFilms, ratio: float
+) -> LumpedLateralFilm:
+    """Film of a body with the drag of both covers; asperities count as shear at this speed."""
+    if film.body not in [body.name for body in faces.face.bodies]:
+        return film
+    body = faces.face.body_number(film.body)
+    drag = sum(
+        float(found.drag[body]) / cover.gap
+        for found, cover in zip(solved.films, faces.covers, strict=True)
+    )
+    torque = solved.asperity_torque.get(film.body, 0.0)
+    touching = torque / (solved.shear_speed * abs(ratio)) if torque > 0.0 else 0.0
+    return replace(
+        film,
+        drag=(drag + touching) / film.faces,
+        asperity_share=touching / (drag + touching),
+    )
+
+
+def _moved_up(nodes: IntArray, faces: SharedFaces, count: int) -> IntArray:
+    """Nodes after the chamber of the rim, which becomes several."""
+    return np.where(nodes > faces.rim.chamber, nodes + count - 1, nodes)

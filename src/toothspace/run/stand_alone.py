@@ -29,10 +29,15 @@ from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.shaft_motion import OrbitSettings, shaft_orbit
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import Pad, PadSolution, Pocket
-from toothspace.films.plane.rigid_faces import FaceFilms, FaceSetting, solve_faces
-from toothspace.films.plane.ring import LateralFilm, LateralSolution
+from toothspace.films.plane.ring import (
+    FaceFilms,
+    FaceSetting,
+    LateralFilm,
+    LateralSolution,
+    solve_faces,
+)
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.thermal import Film, solve_heated
+from toothspace.films.thermal import solve_heated
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.run.heating import film_heating, liquid_of
@@ -67,7 +72,24 @@ def solve(
         require_ending(fields, "-o", tuple(FILE_SUFFIXES))
     started = time.perf_counter() - compile_seconds()
     assert keys is not None
-    film, heat = _heated(case, keys, _film_at(case, keys, describe))
+    # film at its viscosity, and the numbers of its heat balance if there is one
+    solve = _film_at(case, keys, describe)
+    place = "bearing" if isinstance(keys, JournalBearingCase) else "film"
+    if keys.heat is None:
+        if keys.dynamic_viscosity is None and case.fluid is None:
+            allowed = "allowed are a viscosity or a [fluid]"
+            raise CaseError(f"dynamic_viscosity: found nothing, {allowed}")
+        given = keys.dynamic_viscosity
+        film, heat = solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
+    else:
+        if case.fluid is None:
+            raise CaseError(f"{place}.heat", "no fluid", "the viscosity of a table [fluid]")
+        heating = film_heating(case, keys.heat.oil_share)
+        try:
+            heated = solve_heated(solve, heating.viscosity, heating.balance)
+        except CaseError as error:
+            raise error.under(place if error.problems[0].key == "heat" else "") from error
+        film, heat = heated.film, summaries.heat_summary(heated)
     summary = _SUMMARIES[type(film)](film) | heat
     if isinstance(keys, JournalBearingCase) and keys.orbit is not None:
         summary |= _orbit(cast(JournalBearingSolution, film), keys.orbit, keys)
@@ -108,27 +130,6 @@ def _film_at(
                 drain_pressure=machine.drain_pressure,
             )
             return lambda mu: solve_faces(machine, condition, _made(FaceSetting, keys, mu))
-
-
-def _heated(
-    case: Case, keys: FilmKeys, solve: Callable[[float], Film]
-) -> tuple[Film, dict[str, Any]]:
-    """Film at its viscosity, and the numbers of its heat balance if there is one."""
-    place = "bearing" if isinstance(keys, JournalBearingCase) else "film"
-    if keys.heat is None:
-        if keys.dynamic_viscosity is None and case.fluid is None:
-            allowed = "allowed are a viscosity or a [fluid]"
-            raise CaseError(f"dynamic_viscosity: found nothing, {allowed}")
-        given = keys.dynamic_viscosity
-        return solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
-    if case.fluid is None:
-        raise CaseError(f"{place}.heat", "no fluid", "the viscosity of a table [fluid]")
-    heating = film_heating(case, keys.heat.oil_share)
-    try:
-        heated = solve_heated(solve, heating.viscosity, heating.balance)
-    except CaseError as error:
-        raise error.under(place if error.problems[0].key == "heat" else "") from error
-    return heated.film, summaries.heat_summary(heated)
 
 
 def _journal_film(bearing: JournalBearing, keys: JournalBearingCase) -> JournalBearingSolution:

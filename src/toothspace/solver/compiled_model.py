@@ -16,7 +16,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
 from toothspace.model.carried_flows import carry_flows
-from toothspace.model.chambers import update_volumes
+from toothspace.model.chambers import update_volumes, wall_energy
 from toothspace.model.circuit import stored_in_elements
 from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
@@ -32,7 +32,6 @@ from toothspace.model.system import (
     right_hand_side,
     update_tables,
 )
-from toothspace.model.walls import wall_energy
 from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     NdfCallbacks,

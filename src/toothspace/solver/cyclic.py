@@ -8,13 +8,12 @@ from typing import final
 import numpy as np
 
 from toothspace.core.progress import UNKNOWN, Progress, tell
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
-from toothspace.results.events import Event
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, Piece, start_march

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System
@@ -25,7 +25,6 @@ from toothspace.numerics.ndf_types import (
     make_state,
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
-from toothspace.results.events import Event
 from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
 
 _EVENT_CAPACITY = 20_000

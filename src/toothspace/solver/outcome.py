@@ -39,8 +39,7 @@ from toothspace.solver.compiled_model import (
     wall_energy_of,
 )
 from toothspace.solver.cyclic import DenseStates, History
-from toothspace.solver.look import Look, looks_at
-from toothspace.solver.lost_flow import lost_flow_parts, path_leakage, shares
+from toothspace.solver.lost_flow import Look, looks_at, lost_flow_parts, path_leakage, shares
 
 _MARGIN = 0.1
 """Part of the range of a table by which a load may lie outside. [-]"""

@@ -32,9 +32,18 @@ from toothspace.floating.housing_friction import BREAKAWAY_RATIO
 from toothspace.floating.motion import Balance
 from toothspace.floating.problem import LateralProblem, lateral_problem
 from toothspace.model.floating_bearing import HousingContact
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure, styled
-from toothspace.results.summary_names import unit_of
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    StudyFigure,
+    new_figure,
+    styled,
+)
+from toothspace.results.variables import unit_of
 from toothspace.studies.bearing_points import (
     LateralPoints,
     PointCondition,
@@ -42,9 +51,8 @@ from toothspace.studies.bearing_points import (
     point_key,
     prepare,
 )
-from toothspace.studies.keys import PRESSURE
-from toothspace.studies.records import DONE, Record
-from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import DONE, Record, Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -152,15 +160,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyResult:
     """Follow the outlet pressures for every balanced area and every friction coefficient.
 
-    Returns
-    -------
-    StudyResult
-        Gaps, films and claims over ``friction_coefficient``, ``balance_ratio`` and ``point``.
+    Gaps, films and claims over ``friction_coefficient``, ``balance_ratio`` and ``point``.
 
-    Raises
-    ------
-    CaseError
-        If the case has no operating point or no floating bearing.
+    Raises CaseError if the case has no operating point or no floating bearing.
     """
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
@@ -177,10 +179,7 @@ def film_tables(
 ) -> tuple[FilmTable, ...]:
     """Films of every outlet pressure of the study over the gap, rising pressures.
 
-    Raises
-    ------
-    CaseError
-        If the case has no operating point or no floating bearing.
+    Raises CaseError if the case has no operating point or no floating bearing.
     """
     # a coefficient of one leaves the force that presses the bearing against the wall
     points = prepare(case, HousingContact(friction_coefficient=1.0))
@@ -258,6 +257,8 @@ def follow(
 ) -> Array:
     """Gaps of the points in their order, with the set-valued friction law.
 
+    Gaps; the largest tabulated one stands for a bearing that lifted off. [m]
+
     Parameters
     ----------
     tables : sequence of FilmTable
@@ -268,11 +269,6 @@ def follow(
         Balanced area [m2] and friction coefficient [-].
     start : float
         Gap before the first point. [m]
-
-    Returns
-    -------
-    ndarray
-        Gaps; the largest tabulated one stands for a bearing that lifted off. [m]
 
     Notes
     -----
@@ -317,18 +313,15 @@ def follow_all(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> Array:
 def claims(gaps: Array, lifted: float) -> tuple[bool, bool, bool]:
     """Whether a loop does what the measurements show.
 
+    The position rises on the way up; it is nowhere lower and somewhere higher on the way down; the
+    bearing stays on its film.
+
     Parameters
     ----------
     gaps : ndarray
         Gaps of one loop, the highest pressure in its middle. [m]
     lifted : float
         Gap from which the bearing counts as lifted off. [m]
-
-    Returns
-    -------
-    tuple of bool
-        The position rises on the way up; it is nowhere lower and somewhere higher on the way
-        down; the bearing stays on its film.
     """
     top = len(gaps) // 2
     up, down = gaps[: top + 1], gaps[top:][::-1]

@@ -38,13 +38,13 @@ from toothspace.floating.coupling import CoupledPoint
 from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
 from toothspace.model.floating_bearing import HousingContact
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
-from toothspace.plotting.panels import StudyFigure
 from toothspace.plotting.style import (
     BLUE,
     CYCLE,
     GREY,
     INK,
     ORANGE,
+    StudyFigure,
     contour_lines,
     new_figure,
     styled,
@@ -60,17 +60,19 @@ from toothspace.studies.bearing_points import (
     point_key,
     prepare,
 )
-from toothspace.studies.keys import PRESSURE, SPEED
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     collected,
+    columns,
+    map_dataset,
     operating_point_of,
     operating_values,
     point,
+    point_lists,
     status_of,
 )
 from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, map_dataset, point_lists
+from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -420,10 +422,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 def asked_path(case: Case) -> BearingPathStudy:
     """Path of the study of a case, under any of its names.
 
-    Raises
-    ------
-    CaseError
-        If the case has another study.
+    Raises CaseError if the case has another study.
     """
     asked = getattr(case.study, "path", case.study)
     if not isinstance(asked, BearingPathStudy):
@@ -435,22 +434,17 @@ def asked_path(case: Case) -> BearingPathStudy:
 def solve_path(case: Case, context: StudyContext | None = None) -> LateralStudy:
     """Solve every point of ``[study]``, from the point before it or from the start gap.
 
+    Points in their order; conditions one after another, nose pressures rising within each.
+
+    Raises CaseError if the case has another study, no operating point, no floating bearing or no
+    nose.
+
     Parameters
     ----------
     case : Case
         Case with a path of a floating bearing and an operating point.
     context : StudyContext, optional
         Progress, and records of points that are finished.
-
-    Returns
-    -------
-    LateralStudy
-        Points in their order; conditions one after another, nose pressures rising within each.
-
-    Raises
-    ------
-    CaseError
-        If the case has another study, no operating point, no floating bearing or no nose.
 
     References
     ----------
@@ -509,16 +503,13 @@ def _map(case: Case, study: BearingPathStudy, context: StudyContext) -> StudyRes
 def read_positions(path: Path) -> tuple[Array, Array]:
     """Measured outlet pressures [Pa] and relative positions [m] in the order of their rows.
 
+    Raises CaseError if the file has other columns.
+
     Parameters
     ----------
     path : Path
         CSV file with the columns ``operating_point.outlet_pressure`` and
         ``relative_position_um``.
-
-    Raises
-    ------
-    CaseError
-        If the file has other columns.
     """
     found = read_measured(path)
     if found.times is not None or set(found.channels) != {_POSITION}:
@@ -587,18 +578,15 @@ _SPAN, _SAMPLES = 6.0, 481
 def friction_curves(contact: HousingContact, breakaway_force: float) -> xr.Dataset:
     """Smooth friction law over velocity, with other coefficients and other breakaway speeds.
 
+    Force [N] over ``friction_curve`` and ``bearing_velocity_mm_per_s``, and what the curves stand
+    for; empty for a bearing without friction.
+
     Parameters
     ----------
     contact : HousingContact
         Coefficient and breakaway speed of the study.
     breakaway_force : float
         Breakaway force at the point with the largest one. [N]
-
-    Returns
-    -------
-    xarray.Dataset
-        Force [N] over ``friction_curve`` and ``bearing_velocity_mm_per_s``, and what the curves
-        stand for; empty for a bearing without friction.
 
     References
     ----------
@@ -713,7 +701,15 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
     if "balance_ratio" in data.dims:
         return balance_sweep.figures(data)
     if "shaft_speed" in data.dims:
-        return _map_figures(data)
+        found = all(name in data for name, _, _ in _MAPS)
+        if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
+            return []
+        caption = (
+            "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are "
+            "the computed points, crosses those without equilibrium. Few asperities should touch "
+            "where the pump runs."
+        )
+        return [StudyFigure("bearing_map", caption, film_contours(data))]
     if float(np.ptp(data["nose_pressure_bar"].values)) > 0.0:
         caption = (
             "Position of the bearing over the nose pressure, one line per condition. Crosses: "
@@ -844,19 +840,6 @@ def nose_lines(data: xr.Dataset) -> Figure:
     return figure
 
 
-def _map_figures(data: xr.Dataset) -> list[StudyFigure]:
-    """Return maps of the films over shaft speed and outlet pressure."""
-    found = all(name in data for name, _, _ in _MAPS)
-    if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
-        return []
-    caption = (
-        "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are the "
-        "computed points, crosses those without equilibrium. Few asperities should touch where the "
-        "pump runs."
-    )
-    return [StudyFigure("bearing_map", caption, film_contours(data))]
-
-
 @styled
 def film_contours(data: xr.Dataset) -> Figure:
     """Smallest film, asperity load, wear, position, leakage and torque over speed and pressure."""
@@ -887,19 +870,15 @@ def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
     low, high = float(values.min()), float(values.max())
     scale: Normalize
     if low > 0.0 and high > _WIDE * low:
-        levels, scale = _one_two_five(low, high), LogNorm(low, high)
+        # 1, 2 and 5 times powers of ten, closer levels in a narrow range
+        steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+        decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+        every = np.outer(decades, steps).ravel()
+        levels, scale = every[(every >= low / _NEXT) & (every <= high * _NEXT)], LogNorm(low, high)
     else:
         levels = np.asarray(MaxNLocator(_LEVELS, min_n_ticks=4).tick_values(low, high))
         scale = Normalize(levels[0], levels[-1])
     contour_lines(axes, grid, levels, cmap=colours, norm=scale)
-
-
-def _one_two_five(low: float, high: float) -> Array:
-    """Levels 1, 2 and 5 times powers of ten round a range, closer ones in a narrow range."""
-    steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    every = np.outer(decades, steps).ravel()
-    return every[(every >= low / _NEXT) & (every <= high * _NEXT)]
 
 
 STUDY = Study(BearingPathStudy, run, figures)

@@ -15,7 +15,7 @@ import numpy as np
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.core.compilation.cache import digest_of_sources
+from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.progress import Progress, part, tell
@@ -37,13 +37,11 @@ from toothspace.floating.problem import (
 from toothspace.model.description import MachineDescription
 from toothspace.model.floating_bearing import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
-from toothspace.results.summary_names import unit_of
-from toothspace.results.variables import variable
+from toothspace.results.variables import unit_of, variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
 from toothspace.run.run import Run
 from toothspace.studies.points import operating_point_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Record, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -411,15 +409,12 @@ def follow(
 ) -> tuple[StoredPoint, ...]:
     """Solve points one after another, each from the equilibrium of the one before or anew.
 
+    After an interrupt by the user those that are finished.
+
     Parameters
     ----------
     start_gap : float
         Gap that the first one starts from, and every one that begins anew. [m]
-
-    Returns
-    -------
-    tuple of StoredPoint
-        After an interrupt by the user those that are finished.
     """
     found: list[StoredPoint] = []
     now: Array | float = start_gap

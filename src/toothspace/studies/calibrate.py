@@ -26,16 +26,22 @@ from toothspace.core.keys import (
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import from_si
-from toothspace.plotting.panels import StudyFigure, axis_title, panels_of
-from toothspace.plotting.style import BLUE, GREY, INK, ORANGE, styled
-from toothspace.results.summary_names import label_of
-from toothspace.studies.keys import check_span
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    StudyFigure,
+    axis_title,
+    panels_of,
+    styled,
+)
+from toothspace.results.variables import label_of
 from toothspace.studies.least_squares import Fit, fit
 from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import Axis, axes_of, values_at, written_values
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import Axis, axes_of, check_span, values_at, written_values
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,7 +119,15 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     model = _Model(case, axes, measured, context, used, study.evaluation_count)
     status = Status.DONE
     try:
-        found = fit(model.residuals, _start(case, axes), study.evaluation_count)
+        # begins with the values of the case, where they lie within the bounds
+        shares = np.full(len(axes), 0.5)
+        for k, axis in enumerate(axes):
+            value = case.value(axis.path)
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                own = from_si(value, axis.unit) if axis.unit else value
+                share = (own - axis.low) / (axis.high - axis.low)
+                shares[k] = share if 0.0 < share < 1.0 else 0.5
+        found = fit(model.residuals, shares, study.evaluation_count)
         if not found.converged:
             status = Status.NOT_CONVERGED
         predicted = model.predicted(found.shares)
@@ -246,18 +260,6 @@ def _enough(used: Array, measured: Measured, keys: int, label: str) -> Array:
         found = f"{numbers} numbers for {keys} keys"
         raise CaseError(f"{label}: study.data", found, "at least as many as keys")
     return used
-
-
-def _start(case: Case, axes: Sequence[Axis]) -> Array:
-    """Values that stand in the case, where they lie within the bounds; else the middle."""
-    shares = np.full(len(axes), 0.5)
-    for k, axis in enumerate(axes):
-        value = case.value(axis.path)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            own = from_si(value, axis.unit) if axis.unit else value
-            share = (own - axis.low) / (axis.high - axis.low)
-            shares[k] = share if 0.0 < share < 1.0 else 0.5
-    return shares
 
 
 def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:

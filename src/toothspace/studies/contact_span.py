@@ -20,16 +20,30 @@ from toothspace.core.keys import (
     number,
 )
 from toothspace.core.types import Array
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, angle_axis, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    StudyFigure,
+    angle_axis,
+    new_figure,
+    styled,
+)
 from toothspace.results.ripple import high_pass
 from toothspace.results.solution import Solution
-from toothspace.studies.keys import PRESSURE
 from toothspace.studies.measured import read_measured
-from toothspace.studies.points import collected, operating_values, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import numbers_table, point_lists, record_arrays
+from toothspace.studies.points import (
+    collected,
+    numbers_table,
+    operating_values,
+    point,
+    point_lists,
+    record_arrays,
+    status_of,
+)
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult
+from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -24,12 +24,18 @@ from toothspace.core.keys import (
 )
 from toothspace.core.status import Status
 from toothspace.core.units import to_si
-from toothspace.plotting.panels import StudyFigure, axis_title, key_title, panels_of
-from toothspace.plotting.style import BLUE, ORANGE, styled
-from toothspace.results.summary_names import unit_of
-from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
+from toothspace.plotting.style import (
+    BLUE,
+    ORANGE,
+    StudyFigure,
+    axis_title,
+    key_title,
+    panels_of,
+    styled,
+)
+from toothspace.results.variables import unit_of
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import axes_of, unit_samples
+from toothspace.studies.variation import LIMITS, VARY, Limit, axes_of, check_vary, unit_samples
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,23 +14,33 @@ from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, file_path, grid
 from toothspace.core.units import from_si, parse_quantity
-from toothspace.plotting.panels import StudyFigure, axis_title, has_numbers, spread
-from toothspace.plotting.style import GREY, PRESSURE_COLOURS, contour_lines, new_figure, styled
-from toothspace.results.summary_names import unit_of
-from toothspace.studies.keys import PRESSURE, SPEED
+from toothspace.plotting.style import (
+    GREY,
+    PRESSURE_COLOURS,
+    StudyFigure,
+    axis_title,
+    contour_lines,
+    has_numbers,
+    new_figure,
+    spread,
+    styled,
+)
+from toothspace.results.variables import unit_of
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Evaluate,
     collected,
+    map_dataset,
+    numbers_table,
     operating_point_of,
     operating_values,
     point,
+    point_lists,
     status_of,
     summary_numbers,
 )
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult
+from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,10 +128,7 @@ def map_records(
 
     The low-pressure side stays as in the case. After an interrupt the rest is ``interrupted``.
 
-    Raises
-    ------
-    CaseError
-        If every point is refused.
+    Raises CaseError if every point is refused.
     """
     operating, motor = operating_point_of(case), getattr(case.machine, "mode", "pump") == "motor"
     low = operating.outlet_pressure if motor else operating.inlet_pressure

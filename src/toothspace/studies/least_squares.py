@@ -63,17 +63,14 @@ class BudgetUsedUpError(Exception):
 def fit(residuals: Residuals, start: Array, budget: int) -> Fit:
     """Minimise the sum of squares within the unit cube.
 
+    Best point found, with the slopes for its covariance.
+
     Parameters
     ----------
     start : ndarray, shape (keys,)
         Where the search starts. [-]
     budget : int
         Most points to evaluate. [-]
-
-    Returns
-    -------
-    Fit
-        Best point found, with the slopes for its covariance.
     """
     from scipy.optimize import least_squares
 

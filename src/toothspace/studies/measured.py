@@ -15,8 +15,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.signals import read_number, read_rows, require_unit
 from toothspace.core.types import Array
 from toothspace.core.units import from_si, to_si
-from toothspace.results.summary_names import unit_of
-from toothspace.results.variables import VARIABLES
+from toothspace.results.variables import VARIABLES, unit_of
 
 _HEADER = re.compile(r"\s*([\w.]+)\s*(?:\[(.+)\])?\s*")
 _DIFFERENCE = "pressure_difference"
@@ -77,17 +76,14 @@ class Signals:
 def read_measured(path: Path) -> Measured:
     """Read the measured columns of a calibration.
 
+    Raises CaseError if a column or a number is not understood.
+
     Parameters
     ----------
     path : Path
         CSV file with a header of ``name [unit]``. With a column ``time`` the others are signals of
         a result; without it every row is a steady point: columns with a dot in their name are
         keys of the case, the others summary numbers.
-
-    Raises
-    ------
-    CaseError
-        If a column or a number is not understood.
     """
     rows, head = read_rows(path), []
     for cell in rows[0] if rows else []:
@@ -132,7 +128,15 @@ def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
     channels = {}
     for k, (name, unit) in enumerate(head):
         if k not in keys:
-            channels[name] = _in_unit_of_name(path, name, unit, table[:, k])
+            column = table[:, k]
+            wanted = unit_of(name).replace("cm3", "cm^3").replace("%", "1")
+            require_unit(path, name, unit.replace("%", "1"), wanted)
+            if wanted in {"1", unit}:
+                channels[name] = column
+            else:
+                channels[name] = np.array(
+                    [from_si(to_si(x, unit), wanted) for x in column.tolist()]
+                )
     if not channels:
         allowed = "columns of summary numbers, such as 'mean_flow_L_per_min [L/min]'"
         raise CaseError(f"{path}: columns", [name for name, _ in head], allowed)
@@ -146,11 +150,3 @@ def _units(path: Path, name: str) -> str:
         allowed = ", ".join([*known, _DIFFERENCE])
         raise CaseError(f"{path}: columns", f"{name!r}", allowed)
     return found.units.replace("m3", "m^3")
-
-
-def _in_unit_of_name(path: Path, name: str, unit: str, column: Array) -> Array:
-    wanted = unit_of(name).replace("cm3", "cm^3").replace("%", "1")
-    require_unit(path, name, unit.replace("%", "1"), wanted)
-    if wanted in {"1", unit}:
-        return column
-    return np.array([from_si(to_si(x, unit), wanted) for x in column.tolist()])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, final
@@ -25,16 +25,43 @@ from toothspace.core.keys import (
 )
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.plotting.panels import StudyFigure, axis_title, key_title
-from toothspace.plotting.style import BLUE, GREY, INK, new_figure, styled
-from toothspace.results.summary_names import require_known
-from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    StudyFigure,
+    axis_title,
+    key_title,
+    new_figure,
+    styled,
+)
+from toothspace.results.variables import require_known
 from toothspace.studies.least_squares import fit
-from toothspace.studies.points import evaluate_points, point, require_accepted
-from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import points_dataset, points_table
-from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
+from toothspace.studies.points import (
+    evaluate_points,
+    point,
+    points_dataset,
+    points_table,
+    require_accepted,
+)
+from toothspace.studies.study import (
+    Record,
+    Study,
+    StudyContext,
+    StudyResult,
+    StudyTable,
+    failed_count,
+)
+from toothspace.studies.variation import (
+    LIMITS,
+    VARY,
+    Limit,
+    axes_of,
+    check_vary,
+    unit_samples,
+    values_at,
+    written_values,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,7 +131,10 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, OptimiseStudy)
-    _require_known(case, study)
+    wanted = {"study.objective": study.objective} if study.objective else {}
+    wanted |= {f"study.targets.{name}": name for name in study.targets or {}}
+    wanted |= {f"study.constraints.{name}": name for name in study.constraints or {}}
+    require_known(wanted, case.label, over_time=case.circuit is not None)
     search = _TriedPoints(case, study, context)
     status = Status.DONE
     try:
@@ -131,13 +161,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers=search.numbers(best),
         tables=(*search.best_table(best), points_table(search.axes, search.rows, search.records)),
     )
-
-
-def _require_known(case: Case, study: OptimiseStudy) -> None:
-    wanted = {"study.objective": study.objective} if study.objective else {}
-    wanted |= {f"study.targets.{name}": name for name in study.targets or {}}
-    wanted |= {f"study.constraints.{name}": name for name in study.constraints or {}}
-    require_known(wanted, case.label, over_time=case.circuit is not None)
 
 
 @final
@@ -187,7 +210,15 @@ class _TriedPoints:
         records = evaluate_points(points, self._counting())
         self.rows += rows
         self.records += records
-        self._check_names(records)
+        study = self.study
+        wanted = [*(study.targets or {}), *(study.constraints or {})]
+        wanted += [study.objective] if study.objective else []
+        for record in records:
+            missing = [name for name in wanted if name not in record.numbers]
+            if record.succeeded and missing:
+                allowed = ", ".join(record.numbers)
+                found = f"{missing[0]!r}, which is no result"
+                raise CaseError("study", found, allowed).in_file(self.case.label)
         return records
 
     def _counting(self) -> StudyContext:
@@ -203,17 +234,6 @@ class _TriedPoints:
             report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
 
         return StudyContext(progress, self.context.workers, self.context.records)
-
-    def _check_names(self, records: Sequence[Record]) -> None:
-        study = self.study
-        wanted = [*(study.targets or {}), *(study.constraints or {})]
-        wanted += [study.objective] if study.objective else []
-        for record in records:
-            missing = [name for name in wanted if name not in record.numbers]
-            if record.succeeded and missing:
-                allowed = ", ".join(record.numbers)
-                found = f"{missing[0]!r}, which is no result"
-                raise CaseError("study", found, allowed).in_file(self.case.label)
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

@@ -55,6 +55,10 @@ def reduce_films(
 ) -> xr.Dataset:
     """Solve the films of a machine and reduce them to tables.
 
+    Tables that ``run.film_tables`` reads; names begin with the kind of film.
+
+    Raises CaseError if the case has no machine, or the machine no such film.
+
     Parameters
     ----------
     case : Case
@@ -66,16 +70,6 @@ def reduce_films(
     pressures, speeds : sequence of float
         Pressure differences [Pa] and shaft speeds [rad/s] at which lateral films are solved; those
         of the case if empty.
-
-    Returns
-    -------
-    xarray.Dataset
-        Tables that ``run.film_tables`` reads; names begin with the kind of film.
-
-    Raises
-    ------
-    CaseError
-        If the case has no machine, or the machine no such film.
     """
     run = api.prepare(case)
     able = [kind for kind, found in REDUCED.items() if found.has(run.machine)]
@@ -107,15 +101,12 @@ def reduce_summary(tables: xr.Dataset) -> dict[str, Any]:
 def reduce_journals(run: Run, progress: Progress | None = None) -> xr.Dataset:
     """Friction of every journal bearing over load and Sommerfeld number.
 
+    Sweeps, and the terms of :class:`FrictionCurve` that fit them, per body.
+
     Parameters
     ----------
     run : Run
         Machine, fluid and condition; the loads are shares of its mean pressure load.
-
-    Returns
-    -------
-    xarray.Dataset
-        Sweeps, and the terms of :class:`FrictionCurve` that fit them, per body.
 
     Notes
     -----
@@ -216,24 +207,18 @@ def reduce_lateral_films(
 ) -> xr.Dataset:
     """Torque and leakage beside the faces over load, pressure difference and shaft speed.
 
+    Tables over ``lateral_force_share``, ``lateral_moment_share``, ``lateral_pressure_difference``
+    and ``lateral_shaft_speed``. Opening forces that lift the bearing off its films at all of the
+    others are left out.
+
+    Raises CaseError if the case has no operating point.
+
     Parameters
     ----------
     run : Run
         Machine with a floating bearing, fluid and condition.
     grid : tuple of sequence of float, optional
         Pressure differences [Pa] and shaft speeds [rad/s]; those of the condition where empty.
-
-    Returns
-    -------
-    xarray.Dataset
-        Tables over ``lateral_force_share``, ``lateral_moment_share``,
-        ``lateral_pressure_difference`` and ``lateral_shaft_speed``. Opening forces that lift the
-        bearing off its films at all of the others are left out.
-
-    Raises
-    ------
-    CaseError
-        If the case has no operating point.
     """
     case, balance = run.case, run.machine.lateral_balance
     assert balance is not None

@@ -12,8 +12,7 @@ from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, QuantityKey, grid, integer
 from toothspace.core.types import Array
-from toothspace.plotting.panels import StudyFigure
-from toothspace.plotting.style import BLUE, GREEN, ORANGE, new_figure, styled
+from toothspace.plotting.style import BLUE, GREEN, ORANGE, StudyFigure, new_figure, styled
 from toothspace.results.ripple import (
     PulsationSource,
     harmonics,
@@ -22,8 +21,7 @@ from toothspace.results.ripple import (
     working_side,
 )
 from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Record, Study, StudyContext, StudyResult, StudyTable
 
 if TYPE_CHECKING:
     import xarray as xr

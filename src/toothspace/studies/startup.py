@@ -15,14 +15,28 @@ from toothspace.circuit.pumps import PumpMap
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyTable, grid, integer
 from toothspace.core.units import from_si
-from toothspace.plotting.panels import StudyFigure, has_numbers
-from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
-from toothspace.results.startup import STANDING
-from toothspace.studies.keys import SPEED
-from toothspace.studies.points import collected, numbers_of, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    StudyFigure,
+    has_numbers,
+    new_figure,
+    styled,
+)
+from toothspace.results.solution import STANDING
+from toothspace.studies.points import (
+    collected,
+    map_dataset,
+    numbers_of,
+    numbers_table,
+    point,
+    point_lists,
+    status_of,
+)
+from toothspace.studies.study import Record, Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

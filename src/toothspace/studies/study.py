@@ -1,27 +1,31 @@
-"""How a study is declared, what it is given and what it gives back."""
+"""How a study is declared and run, what it is given and what it gives back."""
 
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import json
 import math
+import os
+import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from toothspace.case import Case
+from toothspace.case import Case, load_case
 from toothspace.core import registry
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain, write_text
+from toothspace.core.interrupts import interrupts_held
 from toothspace.core.keys import suggestion
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
-from toothspace.studies.records import Records
+from toothspace.run.run import provenance_of
 from toothspace.studies.workers import Workers
 
 if TYPE_CHECKING:
@@ -29,9 +33,119 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from toothspace.plotting.panels import StudyFigure
+    from toothspace.plotting.style import StudyFigure
+
 
 Row = Sequence[float | str]
+
+
+DONE = "done"
+BAD_INPUT = "bad_input"
+FAILED = "failed"
+INTERRUPTED = "interrupted"
+
+FILE_NAME = "points.jsonl"
+"""Name of the file in the folder of a study: one finished point per line."""
+
+PREVIOUS_FILE_NAME = "points_previous.jsonl"
+"""What a study that starts anew makes of the points of the one before."""
+
+
+@final
+@dataclass(frozen=True)
+class Record:
+    """What one point of a study gave."""
+
+    key: str
+    """Hash of what was computed."""
+    status: str
+    """Status of the run in lower case, ``bad_input``, or ``failed`` after an unexpected error."""
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    """Summary numbers, or what else the study evaluates; empty if there are none."""
+    message: str = ""
+    """Why the point failed, in one line; empty if it did not."""
+    wall_time: float = math.nan
+    """Time that it took. [s]"""
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the point did what was asked."""
+        return self.status == DONE
+
+    def number(self, name: str) -> float:
+        """Return a number of the point, NaN if it has none of that name. [unit of the name]."""
+        value = self.numbers.get(name)
+        return float(value) if isinstance(value, (int, float)) else math.nan
+
+
+@final
+class Records:
+    """Records by key, in memory and, with a file, on disk from the first one that is added.
+
+    Parameters
+    ----------
+    path : Path or None
+        File of one record per line; None keeps them in memory only.
+    resume : bool
+        Whether successful records that the file holds already count; otherwise it starts anew.
+    """
+
+    def __init__(self, path: Path | None = None, *, resume: bool = False) -> None:
+        self.path = path
+        self._resume = resume
+        self._begun = path is None
+        self._own_folder = path is not None and not path.parent.exists()
+        self._found: dict[str, Record] = {}
+        if path is None:
+            return
+        if resume and path.is_file():
+            found = {}
+            for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+                try:
+                    record = Record(**json.loads(line))
+                except (ValueError, TypeError):
+                    continue  # a line that a crash cut short
+                if record.succeeded:
+                    found[record.key] = record
+            self._found = found
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not os.access(path.parent, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path.parent))
+
+    def withdraw(self) -> None:
+        """Remove the folder again if it was made for these records and nothing is in it."""
+        if self.path is not None and self._own_folder and not any(self.path.parent.iterdir()):
+            self.path.parent.rmdir()
+
+    def get(self, key: str) -> Record | None:
+        """Return the record of a key, or None."""
+        return self._found.get(key)
+
+    def add(self, record: Record) -> None:
+        """Keep a record; a reader never sees half of it as a whole line."""
+        if not self._begun and self.path is not None:
+            if self.path.is_file() and self.path.stat().st_size and not self._resume:
+                # a forgotten --resume must not cost hours of computing
+                self.path.replace(self.path.with_name(PREVIOUS_FILE_NAME))
+            write_text(self.path, "".join(_line(record) for record in self._found.values()))
+            self._begun = True
+        self._found[record.key] = record
+        if self.path is not None:
+            with interrupts_held(), self.path.open("a", encoding="utf-8") as file:
+                file.write(_line(record))
+
+    def __len__(self) -> int:
+        """Return the number of records."""
+        return len(self._found)
+
+
+def failed_count(records: Sequence[Record]) -> int:
+    """Return the number of points that were tried and failed. [-]."""
+    return sum(not record.succeeded and record.status != INTERRUPTED for record in records)
+
+
+def _line(record: Record) -> str:
+    return json.dumps(asdict(record)) + "\n"
 
 
 @final
@@ -239,3 +353,67 @@ class StudyFigures:
         if name not in found:
             raise CaseError("figure", f"{name!r}", suggestion(name, found) or "none")
         return found[name]
+
+
+def run_study(
+    case: Case | str | Path,
+    folder: str | Path | None = None,
+    *,
+    progress: Progress | None = None,
+    workers: int = 1,
+    scheduler: str = "",
+    resume: bool = False,
+) -> StudyResult:
+    """Run the study of a case.
+
+    Parameters
+    ----------
+    case : Case, str or Path
+        Case with a table ``[study]``.
+    folder : str or Path, optional
+        Keeps finished points while the study runs, and the result at its end.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    workers : int
+        Processes that share the points. [-]
+    scheduler : str
+        Address of a Dask scheduler instead of processes.
+    resume : bool
+        Whether to take finished points from the folder.
+
+    Returns
+    -------
+    StudyResult
+        Complete or not, see its status.
+
+    Raises
+    ------
+    CaseError
+        If the case asks for the impossible.
+    """
+    case = load_case(case)
+    kind = case.study_kind
+    if not kind:
+        allowed = "a table [study] with its kind"
+        raise CaseError("study", "nothing", allowed).in_file(case.label)
+    case.check()
+    started = time.perf_counter()
+    records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
+    try:
+        with Workers(workers, scheduler) as pool:
+            result: StudyResult = registry.study(kind).run(
+                case, StudyContext(progress, pool, records)
+            )
+    except (CaseError, KeyboardInterrupt):
+        records.withdraw()
+        raise
+    result = replace(
+        result,
+        kind=kind,
+        title=case.title,
+        provenance=provenance_of(case),
+        wall_time=time.perf_counter() - started,
+    )
+    if folder is not None:
+        result.save(folder)
+    return result

@@ -19,21 +19,26 @@ from toothspace.core.keys import (
     require,
 )
 from toothspace.core.progress import Progress
-from toothspace.plotting.panels import (
+from toothspace.plotting.style import (
+    BLUE,
     StudyFigure,
     key_title,
     number_panels,
     shown_numbers,
     shown_unit,
     spread,
+    styled,
 )
-from toothspace.plotting.style import BLUE, styled
-from toothspace.studies.keys import VARY, check_vary
-from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.registry import run_study
-from toothspace.studies.study import Study, StudyContext, StudyResult
-from toothspace.studies.tabulate import point_lists, points_dataset, points_table
-from toothspace.studies.variation import axes_of, grid, samples, written_values
+from toothspace.studies.points import (
+    collected,
+    point,
+    point_lists,
+    points_dataset,
+    points_table,
+    status_of,
+)
+from toothspace.studies.study import Study, StudyContext, StudyResult, run_study
+from toothspace.studies.variation import VARY, axes_of, check_vary, grid, samples, written_values
 
 if TYPE_CHECKING:
     import xarray as xr

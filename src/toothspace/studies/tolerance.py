@@ -11,22 +11,45 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.core.keys import KeyTable, choice, declare, integer
 from toothspace.core.types import Array
-from toothspace.plotting.panels import (
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
     StudyFigure,
     axis_title,
     number_panels,
     panels_of,
     short_name,
     shown_numbers,
+    styled,
 )
-from toothspace.plotting.style import BLUE, GREY, INK, styled
-from toothspace.results.summary_names import require_known
-from toothspace.studies.keys import LIMITS, VARY, Limit, check_vary
-from toothspace.studies.points import collected, point, status_of
-from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, points_dataset, points_table
-from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
+from toothspace.results.variables import require_known
+from toothspace.studies.points import (
+    collected,
+    columns,
+    point,
+    points_dataset,
+    points_table,
+    status_of,
+)
+from toothspace.studies.study import (
+    Record,
+    Study,
+    StudyContext,
+    StudyResult,
+    StudyTable,
+    failed_count,
+)
+from toothspace.studies.variation import (
+    LIMITS,
+    VARY,
+    Limit,
+    axes_of,
+    check_vary,
+    unit_samples,
+    values_at,
+    written_values,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -170,17 +193,14 @@ PERCENTILES = (5.0, 50.0, 95.0)
 def rank_correlations(inputs: Array, output: Array) -> Array:
     """Rank correlation of each input with the output (Spearman 1904). [-].
 
+    From -1 to 1, NaN where nothing changes, shape (keys,). [-]
+
     Parameters
     ----------
     inputs : ndarray, shape (points, keys)
         Values of the keys. [any]
     output : ndarray, shape (points,)
         Result; points without one (NaN) are left out. [any]
-
-    Returns
-    -------
-    ndarray, shape (keys,)
-        From -1 to 1, NaN where nothing changes. [-]
     """
     from scipy.stats import spearmanr
 
@@ -197,15 +217,12 @@ def rank_correlations(inputs: Array, output: Array) -> Array:
 def index_samples(base: Array) -> Array:
     """Return the points of Sobol indices (Saltelli et al. 2010). [-].
 
+    Sample A, sample B, then A with one column from B for each key, shape (count * (keys + 2). [-]
+
     Parameters
     ----------
     base : ndarray, shape (count, 2 * keys)
         Two independent samples of the unit cube beside each other. [-]
-
-    Returns
-    -------
-    ndarray, shape (count * (keys + 2), keys)
-        Sample A, sample B, then A with one column from B for each key. [-]
     """
     keys = base.shape[1] // 2
     first, second = base[:, :keys], base[:, keys:]
@@ -220,6 +237,8 @@ def index_samples(base: Array) -> Array:
 def sobol_indices(output: Array, keys: int) -> tuple[Array, Array]:
     r"""Share of the variance that each key causes alone, and with its interactions. [-].
 
+    First-order and total indices, shape (keys,). [-]
+
     Parameters
     ----------
     output : ndarray
@@ -227,11 +246,6 @@ def sobol_indices(output: Array, keys: int) -> tuple[Array, Array]:
         out. [any]
     keys : int
         Number of keys. [-]
-
-    Returns
-    -------
-    tuple of ndarray, shape (keys,)
-        First-order and total indices. [-]
 
     Notes
     -----

@@ -11,7 +11,7 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, final
 
-from toothspace.core.compilation.cache import digest_of_sources
+from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.processes import safe_start, start_worker
 
@@ -50,17 +50,22 @@ class Workers:
 
         A call whose workers of a cluster die gives a :class:`WorkerLostError` as its result.
 
-        Raises
-        ------
-        ToothspaceError
-            If a process died, the scheduler is lost, or a worker has other sources.
+        Raises ToothspaceError if a process died, the scheduler is lost, or a worker has other
+        sources.
         """
         if self.count <= 1 and not self.scheduler:
             yield from ((k, function(argument)) for k, argument in enumerate(arguments))
             return
         call = partial(_checked, digest_of_sources(), function)
         with safe_start():
-            executor = self._started()
+            if self._executor is None and self.scheduler:
+                self._client = _client(self.scheduler)
+                self._executor = self._client.get_executor(pure=False)
+            elif self._executor is None:
+                # fresh processes: a fork would copy the locks of the progress bar's thread
+                context = get_context("spawn")
+                self._executor = ProcessPoolExecutor(self.count, context, initializer=start_worker)
+            executor = self._executor
             if self._client is not None and self._client.status == "closed":
                 raise self._lost()
             waiting = {executor.submit(call, item): k for k, item in enumerate(arguments)}
@@ -101,23 +106,14 @@ class Workers:
             f"study: the scheduler {self.scheduler} does not answer any more; {_KEPT}"
         )
 
-    def _started(self) -> Executor:
-        if self._executor is None and self.scheduler:
-            self._client = _client(self.scheduler)
-            self._executor = self._client.get_executor(pure=False)
-        elif self._executor is None:
-            # fresh processes: a fork would copy the locks of the progress bar's thread
-            context = get_context("spawn")
-            self._executor = ProcessPoolExecutor(self.count, context, initializer=start_worker)
-        return self._executor
-
     def stop(self) -> None:
         """End the processes without waiting for what they compute."""
         executor, self._executor = self._executor, None
         if executor is None:
             return
         if self._client is not None:
-            self._leave()
+            client, self._client = self._client, None
+            client.close(timeout=_LAST_WAIT)
             return
         running = list((getattr(executor, "_processes", None) or {}).values())
         executor.shutdown(wait=False, cancel_futures=True)
@@ -125,11 +121,6 @@ class Workers:
             process.kill()
         for process in running:
             process.join(_LAST_WAIT)
-
-    def _leave(self) -> None:
-        """Leave the cluster and cancel what it still computes."""
-        client, self._client = self._client, None
-        client.close(timeout=_LAST_WAIT)
 
     def __enter__(self) -> Workers:
         """Return itself; processes start when they are first needed."""

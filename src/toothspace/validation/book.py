@@ -15,14 +15,13 @@ from toothspace.validation import (
     motor_startup,
     published_films,
     reference_machines,
-    service_manuals,
 )
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
 CLAIMS: tuple[Claim, ...] = (
     *published_films.CLAIMS,
     *reference_machines.CLAIMS,
-    *service_manuals.CLAIMS,
+    *reference_machines.SERVICE_MANUAL_CLAIMS,
     *motor_startup.CLAIMS,
     *lateral.CLAIMS,
     *gerotor.CLAIMS,
@@ -33,15 +32,12 @@ CLAIMS: tuple[Claim, ...] = (
 def selected(part: str) -> tuple[Claim, ...]:
     """Return the claims whose key or source contains a text; empty text returns all.
 
+    Raises CaseError if there is none.
+
     Parameters
     ----------
     part : str
         Part of a name.
-
-    Raises
-    ------
-    CaseError
-        If there is none.
     """
     chosen = tuple(c for c in CLAIMS if part in c.key or part in c.source.key)
     if not chosen:
@@ -53,15 +49,12 @@ def selected(part: str) -> tuple[Claim, ...]:
 def examine(claim: Claim, effort: Effort = "full") -> Examined:
     """Compute what a claim is about.
 
+    With the trouble in words where the computation failed.
+
     Parameters
     ----------
     effort : str
         ``short`` for coarse grids and few points, ``full`` for those that tolerances stand for.
-
-    Returns
-    -------
-    Examined
-        With the trouble in words where the computation failed.
     """
     if claim.measure is None:
         return Examined(claim, Evidence())

@@ -5,14 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, SupportsFloat, final
 
 import numpy as np
 
+import toothspace
+from toothspace import api
+from toothspace.case import Case
+from toothspace.case.shipped import shipped_case
 from toothspace.core.types import Array
+from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 Verdict = Literal["pass", "fail", "not judged", "cannot be had"]
 Effort = Literal["short", "full"]
@@ -202,3 +210,47 @@ class Examined:
         verdicts += [curve.verdict for curve in self.finding.curves]
         passed = "pass" in verdicts and "fail" not in verdicts
         return "pass" if passed and not self.trouble else "fail"
+
+
+_PACKAGE = Path(toothspace.__file__).resolve().parent
+
+
+def data_file(source: str, name: str = "reference.csv") -> Path:
+    """Return the file of published numbers of a source.
+
+    Parameters
+    ----------
+    source : str
+        Folder, by custom author and year.
+    name : str
+        File in that folder.
+    """
+    return _PACKAGE / "validation" / "data" / source / name
+
+
+@cache
+def shipped(case: str, *overrides: str) -> Case:
+    """Load a shipped case with overrides, once for all claims."""
+    return api.load_case(shipped_case(case), overrides)
+
+
+@cache
+def solved(case: str, *overrides: str) -> Solution:
+    """Run a shipped case with overrides, once for all claims."""
+    return api.simulate(shipped(case, *overrides))
+
+
+def columns(source: str, name: str = "reference.csv") -> dict[str, Array]:
+    """Read the numeric columns of a file of published numbers, by their heading."""
+    import csv
+
+    import numpy as np
+
+    rows = list(csv.reader(data_file(source, name).read_text(encoding="utf-8").splitlines()))
+    found = {}
+    for k, heading in enumerate(rows[0]):
+        try:
+            found[heading] = np.array([float(row[k].replace(",", ".")) for row in rows[1:]])
+        except ValueError:
+            continue
+    return found

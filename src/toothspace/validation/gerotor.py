@@ -18,9 +18,9 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     close,
+    solved,
     within,
 )
-from toothspace.validation.resources import solved
 
 Fidelity = Literal["lumped", "films"]
 

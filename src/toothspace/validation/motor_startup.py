@@ -17,9 +17,10 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     close,
+    shipped,
+    solved,
     within,
 )
-from toothspace.validation.resources import shipped, solved
 
 SOURCE = ValidationSource(
     "motor_startup",

@@ -21,9 +21,10 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     close,
+    columns,
+    data_file,
     within,
 )
-from toothspace.validation.resources import columns, data_file
 
 RAIMONDI = ValidationSource(
     "raimondi_boyd_1958",

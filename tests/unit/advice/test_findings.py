@@ -13,16 +13,14 @@ import toothspace as ts
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api
 from toothspace.advice.findings import findings_of
-from toothspace.app.session import Session
+from toothspace.app.server import Session
 from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.finding import Finding, status_line
-from toothspace.core.status import Status
+from toothspace.core.status import Event, Status
 from toothspace.report.comparison import Comparison
-from toothspace.report.document import document_lines
-from toothspace.report.html import report_contents, report_html
+from toothspace.report.html import document_lines, report_contents, report_html
 from toothspace.results.credibility import with_warnings
-from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 
 MOTOR = Path(__file__).resolve().parents[3] / "cases" / "egm12_motor.toml"

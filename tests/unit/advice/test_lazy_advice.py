@@ -41,12 +41,12 @@ def test_a_description_computes_no_advice(name: str) -> None:
 
 
 def test_advice_is_computed_once_for_a_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    from toothspace.machines.external_gear import rules
+    from toothspace.machines.external_gear import summary
 
     counted = []
-    original = rules.bearing_checks
+    original = summary.bearing_checks
     monkeypatch.setattr(
-        rules, "bearing_checks", lambda *given: counted.append(1) or original(*given)
+        summary, "bearing_checks", lambda *given: counted.append(1) or original(*given)
     )
     description = MACHINE.describe(egm12(), nodes=72)
     assert counted == []

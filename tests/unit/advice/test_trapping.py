@@ -12,7 +12,7 @@ from toothspace.advice.trapping import Trapping, trapping_checks
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.rules import enclosed_mesh
+from toothspace.machines.external_gear.summary import enclosed_mesh
 from toothspace.model.description import RunningIn
 
 BAR = 1e5

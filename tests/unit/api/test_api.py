@@ -17,7 +17,8 @@ from tests.study_cases import answer
 from toothspace import api
 from toothspace.case import Case
 from toothspace.core.signals import read_columns
-from toothspace.run import ideal, lumped
+from toothspace.run import ideal
+from toothspace.run import run as lumped
 from toothspace.run.run import Run
 
 REPOSITORY = Path(__file__).resolve().parents[3]

@@ -10,7 +10,8 @@ import pytest
 import toothspace as ts
 from tests.fake_solution import fake_solution
 from toothspace.case import Case
-from toothspace.run import ideal, lumped
+from toothspace.run import ideal
+from toothspace.run import run as lumped
 from toothspace.run.run import Run
 
 REPOSITORY = Path(__file__).resolve().parents[3]

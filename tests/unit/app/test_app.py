@@ -12,8 +12,7 @@ from typing import Any
 
 import pytest
 
-from toothspace.app.server import FormServer
-from toothspace.app.session import Session
+from toothspace.app.server import FormServer, Session
 from toothspace.case import Case, load_case
 from toothspace.case.shipped import cases
 from toothspace.core.netcdf import read_dataset

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from toothspace.api import load_case
-from toothspace.case.json_schema import case_schema
+from toothspace.case.case import case_schema
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))

@@ -13,7 +13,7 @@ from toothspace.case import Case
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.core.errors import CaseError
 from toothspace.model import arrays as col
-from toothspace.model.walls import update_volume, wall_volume
+from toothspace.model.chambers import update_volume, wall_volume
 
 SOFTEST = 1e-7  # relative growth per Pa
 

@@ -412,7 +412,7 @@ def test_export_of_an_unknown_format_or_machine(
 ) -> None:
     assert main(["geometry", str(MOTOR), "--export", "iges"]) == 2
     assert "--export: found 'iges', allowed dxf, stl, step, txt" in capsys.readouterr().err
-    monkeypatch.setattr(machines, "optional_part", lambda *_: None)
+    monkeypatch.setattr(machines, "optional_function", lambda *_: None)
     assert main(["geometry", str(GEROTOR), "--export", "dxf"]) == 2
     assert "--export: found machine type 'gerotor', allowed" in capsys.readouterr().err
 
@@ -489,7 +489,7 @@ def test_values_of_numpy_become_json() -> None:
 
 
 def test_lumped_runs_load_no_scipy() -> None:
-    used = "api", "machines.external_gear.describe", "run.lumped", "results.file_layout"
+    used = "api", "machines.external_gear.describe", "run.run", "results.file_layout"
     heavy = {"scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.special", "matplotlib"}
     program = (
         f"import sys, {', '.join(f'toothspace.{name}' for name in used)}\n"

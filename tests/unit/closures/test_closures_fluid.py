@@ -12,20 +12,20 @@ from toothspace.closures.aeration import (
     gas_volume_fraction,
     vapour_fraction,
 )
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
 from toothspace.closures.density import (
+    clausius_clapeyron_pressure,
     dowson_higginson_density,
+    liquid_bulk_modulus,
     liquid_specific_volume,
     mixture_density,
     mixture_pressure,
     mixture_specific_volume,
 )
-from toothspace.closures.exponential import exponential_rise
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import (
     barus_viscosity,
     dynamic_viscosity,
+    exponential_rise,
     throttling_viscosity,
     walther_constants,
     walther_viscosity,

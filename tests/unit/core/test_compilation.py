@@ -8,17 +8,18 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 import pytest
 
 from toothspace import api
-from toothspace.core.compilation import decorators, notice
-from toothspace.core.compilation.cache import _with_imports
+from toothspace.core.compilation import jit, notice
+from toothspace.core.compilation.library import Way
 from toothspace.core.compilation.notice import Notice, reachable
 from toothspace.core.compilation.records import RecordAddress
+from toothspace.core.compilation.sources import with_imports
 from toothspace.core.compiled import inlined, kernel, njit, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.solver import compiled_model
@@ -48,6 +49,11 @@ class Outer(NamedTuple):
     places: IntArray
 
 
+def just_in_time(function: Any) -> Any:
+    """Function as Numba compiles it, library or not."""
+    return getattr(function, "just_in_time", function)
+
+
 def outer() -> Outer:
     columns = np.asfortranarray(np.arange(12.0).reshape(3, 4))
     return Outer(Inner(2.5, 3), np.arange(5.0), columns, np.array([2, 0, 1]))
@@ -72,8 +78,14 @@ def total(record: Outer) -> float:
     return result + record.columns.shape[1] + record.row.strides[0]
 
 
+def compiling(cache: Path) -> dict[str, str]:
+    """Environment of a process that compiles by itself, library or not."""
+    own = {"PYTHONPATH": str(SOURCES), "TOOTHSPACE_CACHE": str(cache)}
+    return {**os.environ, **own, "TOOTHSPACE_COMPILATION": "jit"}
+
+
 def run_python(code: str, cache: Path, sources: Path = SOURCES, **extra: str) -> str:
-    environment = {**os.environ, "PYTHONPATH": str(sources), "TOOTHSPACE_CACHE": str(cache)}
+    environment = compiling(cache) | {"PYTHONPATH": str(sources)}
     environment.pop("NUMBA_CACHE_DIR", None)
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -114,18 +126,18 @@ def test_what_no_block_can_hold_is_refused_by_name() -> None:
         numba.typeof(Inner("2.5", 3))  # type: ignore[arg-type]
 
 
-@pytest.mark.skipif(not decorators.PARTS, reason="Numba not tested with parts")
+@pytest.mark.skipif(not jit.PARTS, reason="Numba not tested with parts")
 def test_what_an_entry_calls_has_no_machine_code_of_its_own() -> None:
     total(outer())
-    assert len(total.overloads) == 1
-    assert not entry_of.overloads
+    assert len(just_in_time(total).overloads) == 1
+    assert not just_in_time(entry_of).overloads
 
 
 def test_results_do_not_depend_on_the_way_of_compiling(tmp_path: Path) -> None:
     code = (
-        "from toothspace.core.compilation import decorators; "
+        "from toothspace.core.compilation import jit; "
         "from tests.unit.core.test_compilation import outer, total; "
-        "print(decorators.PARTS, total(outer()).hex())"
+        "print(jit.PARTS, total(outer()).hex())"
     )
     path = f"{SOURCES}{os.pathsep}{REPOSITORY}"
     parts = run_python(code, tmp_path, PYTHONPATH=path)
@@ -137,13 +149,13 @@ def test_results_do_not_depend_on_the_way_of_compiling(tmp_path: Path) -> None:
 def test_an_untested_numba_compiles_every_function_on_its_own(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.delenv("TOOTHSPACE_COMPILATION", raising=False)
-    monkeypatch.setattr(decorators, "parent_process", lambda: None)  # not one of several workers
+    monkeypatch.setattr(jit, "way", lambda: Way.JUST_IN_TIME)
+    monkeypatch.setattr(jit, "parent_process", lambda: None)  # not one of several workers
     monkeypatch.setattr(numba, "__version__", "9.9.0")
-    assert not decorators._parts_wanted()
+    assert not jit._parts_wanted()
     assert "Numba 9.9.0 (tested with 0.68): the first use" in capsys.readouterr().err
-    monkeypatch.setattr(numba, "__version__", f"{decorators.TESTED[0]}.0")
-    assert decorators._parts_wanted()
+    monkeypatch.setattr(numba, "__version__", f"{jit.TESTED[0]}.0")
+    assert jit._parts_wanted()
     assert not capsys.readouterr().err
 
 
@@ -161,7 +173,7 @@ def test_the_cache_follows_content_not_place_or_time(tmp_path: Path) -> None:
 
 def test_an_entry_depends_on_modules_that_are_imported_as_such() -> None:
     """The columns of the arrays, which kernels read as ``col.PRESSURE``, are constants in it."""
-    assert "model.arrays" in _with_imports({"model.walls"})
+    assert "model.arrays" in with_imports({"model.chambers"})
 
 
 def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
@@ -174,7 +186,7 @@ def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
 
 
 def test_two_processes_share_one_cache(tmp_path: Path) -> None:
-    environment = {**os.environ, "PYTHONPATH": str(SOURCES), "TOOTHSPACE_CACHE": str(tmp_path)}
+    environment = compiling(tmp_path)
     both = [
         subprocess.Popen([sys.executable, "-c", USE], env=environment, stdout=subprocess.PIPE)
         for _ in range(2)
@@ -223,7 +235,7 @@ def test_wall_time_leaves_compilation_out(monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
 def test_ctrl_c_while_compiling_ends_with_the_code_of_an_interrupt(tmp_path: Path) -> None:
-    environment = {**os.environ, "PYTHONPATH": str(SOURCES), "TOOTHSPACE_CACHE": str(tmp_path)}
+    environment = compiling(tmp_path)
     process = subprocess.Popen(
         [sys.executable, "-m", "toothspace", "run", str(MOTOR), "-o", str(tmp_path / "x.nc")],
         env=environment,

@@ -19,12 +19,13 @@ import xarray as xr
 
 from tests.conftest import posix
 from tests.unit.results.test_results_stream import streamed
-from toothspace.core import array_store, netcdf
+from toothspace.core import files as array_store
+from toothspace.core import netcdf
 from toothspace.core.errors import CaseError
 from toothspace.core.files import draft_of, read_bytes, require_writable, write_text
 from toothspace.core.interrupts import ending_interrupts, interrupts_held
 from toothspace.core.netcdf import read_dataset, write_dataset
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 
 
 def test_a_draft_becomes_the_file_or_goes(tmp_path: Path) -> None:

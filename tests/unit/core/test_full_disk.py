@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 
 from toothspace.core import netcdf
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 
 pytest.importorskip("resource")
 

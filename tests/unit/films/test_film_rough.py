@@ -10,13 +10,13 @@ from scipy.integrate import quad
 
 from tests.reference_formulas.rough_contact import contact_factor_fit
 from toothspace.closures import flow_factors as ff
-from toothspace.closures.contact_asperities import (
+from toothspace.closures.contact_rough import (
     asperity_force,
+    asperity_pressure,
     exceedance_moment,
     greenwood_tripp_pressure,
     kogut_etsion_pressure,
 )
-from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.core.errors import CaseError
 from toothspace.films import JournalBearing, RoughSurfaces
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed

@@ -9,8 +9,7 @@ import pytest
 import scipy.sparse as sp
 
 from tests.lateral_stack import INNER, OUTER, ring_stack
-from toothspace.floating.basis_functions import BasisFunctions
-from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.face_grid import BasisFunctions, FaceGrid
 
 
 @pytest.fixture(params=[0.0, 0.37])

@@ -29,8 +29,8 @@ from toothspace.model.film_faces import FilmFace
 from toothspace.model.floating_bearing import HousingContact
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
+from toothspace.report.page import quantity
 from toothspace.report.study import study_report_html
-from toothspace.report.wording import quantity
 from toothspace.studies import balance_sweep, bearing_path, study_figures
 from toothspace.studies.balance_sweep import GAPS, BalanceSweepStudy, FilmTable, claims, follow
 from toothspace.studies.bearing_path import BearingMapStudy, HysteresisStudy, friction_curves

@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import AREA, HIGH, loads, pressures, ring_stack
-from toothspace.floating.equilibrium import snapshots_over_pitch
-from toothspace.floating.interpolation import (
+from toothspace.floating.coupling import (
     InterpolatedEquilibrium,
     SettledBearing,
     Trial,
 )
+from toothspace.floating.equilibrium import snapshots_over_pitch
 from toothspace.floating.motion import Balance, balance_force
 from toothspace.floating.problem import LateralProblem, LateralSettings, numbers_of
-from toothspace.floating.stack import HoldingSpring
-from toothspace.floating.stops import leaning, stop_forces
+from toothspace.floating.stack import HoldingSpring, leaning, stop_forces
 
 PUSHED, PRESSED = 60e5, 38e5
 """Pressures round the ring that lift the bearing off and press it on, before high pressure behind

@@ -40,8 +40,7 @@ from toothspace.model.lateral_table import (
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
 from toothspace.run import run as run_module
-from toothspace.run.run import Run
-from toothspace.run.seats import SeatSearch
+from toothspace.run.run import Run, SeatSearch
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 

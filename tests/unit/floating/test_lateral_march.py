@@ -11,8 +11,7 @@ from tests.fake_solution import fake_solution
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from tests.toy_machine import toy_machine
 from toothspace.core.status import Status
-from toothspace.floating.coupled_run import coupled_solution
-from toothspace.floating.coupling import PointRequest, couple_point
+from toothspace.floating.coupling import PointRequest, couple_point, coupled_solution
 from toothspace.floating.equilibrium import snapshots_over_pitch
 from toothspace.floating.problem import LateralProblem, LateralSettings
 from toothspace.results.solution import Solution
@@ -75,7 +74,7 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
         run(description)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("toothspace.floating.coupled_run.couple_point", couple)
+    monkeypatch.setattr("toothspace.floating.coupling.couple_point", couple)
     lumped = fake_solution()
     found = coupled_solution(
         NOTHING, NOTHING, lambda _: lumped, NOTHING, 12, lambda _, text: reported.append(text)
@@ -109,6 +108,6 @@ def test_interrupt_before_any_result_is_passed_on(monkeypatch: pytest.MonkeyPatc
     def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
         return run(description)
 
-    monkeypatch.setattr("toothspace.floating.coupled_run.couple_point", couple)
+    monkeypatch.setattr("toothspace.floating.coupling.couple_point", couple)
     with pytest.raises(KeyboardInterrupt):
         coupled_solution(NOTHING, NOTHING, run, NOTHING, 12)

@@ -32,8 +32,7 @@ from toothspace.studies.bearing_points import (
     recorded_point,
     stored_point,
 )
-from toothspace.studies.records import Record, Records
-from toothspace.studies.study import StudyContext
+from toothspace.studies.study import Record, Records, StudyContext
 
 CASES = Path(__file__).parents[3] / "cases"
 UP_AND_DOWN = (20e5, 40e5, 60e5, 40e5, 20e5)

@@ -9,7 +9,7 @@ from toothspace.core.types import Array
 from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import contact_field, contact_table
-from toothspace.floating.local_deformation import LocalCompliance, settle_gap
+from toothspace.floating.compliant_film import LocalCompliance, settle_gap
 from toothspace.numerics.linear_system import SATURATED
 
 COMPLIANCE = 4e-13

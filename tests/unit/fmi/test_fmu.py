@@ -22,7 +22,7 @@ from toothspace.cli import main
 from toothspace.core.types import Array
 from toothspace.fmi import archive, export
 from toothspace.fmi.operating_tables import PULSATING, tables_of
-from toothspace.studies.records import Record
+from toothspace.studies.study import Record
 
 PUMP, MOTOR = (REPOSITORY / "cases" / f"egm12_{mode}.toml" for mode in ("pump", "motor"))
 DISPLACEMENT = 8e-7

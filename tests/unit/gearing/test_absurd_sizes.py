@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace import api
-from toothspace.advice.short_circuit import in_series
+from toothspace.advice.trapping import in_series
 from toothspace.core.errors import CaseError, GeometryError
 
 CASES = Path(__file__).resolve().parents[3] / "cases"

@@ -20,9 +20,9 @@ from tests.external_gear_designs import (
 )
 from toothspace.api import describe, load_case
 from toothspace.core.errors import CaseError, GeometryError
-from toothspace.gearing.closest_points import Placement, project
 from toothspace.gearing.gear_face import tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
+from toothspace.gearing.mesh_split import Placement, project
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import port_lengths
 from toothspace.gearing.tooth import (
@@ -35,8 +35,7 @@ from toothspace.geometry.curve import polar_moment
 from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.flow_paths import bore_cover
+from toothspace.machines.external_gear.flow_paths import bore, bore_cover
 from toothspace.model.description import MachineDescription, RunningIn
 
 REFERENCE_MOTOR = Path(__file__).parents[3] / "cases" / "egm12_motor.toml"

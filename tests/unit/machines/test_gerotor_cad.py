@@ -17,9 +17,8 @@ from toothspace.core.errors import CaseError, GeometryError
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import Section, export_section, smooth_pieces
 from toothspace.geometry.curve import signed_area
-from toothspace.machines.gerotor.export import export_profiles
-from toothspace.machines.gerotor.lobe_path import lobe_path
-from toothspace.machines.gerotor.pockets import pockets
+from toothspace.machines.gerotor.cad import export_profiles
+from toothspace.machines.gerotor.pockets import lobe_path, pockets
 from toothspace.machines.gerotor.profiles import rotors_from
 
 PLACES = np.radians(np.arange(0.0, 360.0, 2.5))

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from toothspace.core.errors import CaseError
-from toothspace.machines.external_gear.parameter_tables import SealParameters
-from toothspace.machines.external_gear.shaft_seal import seal_torque
+from toothspace.machines.external_gear.parameters import seal_torque
+from toothspace.machines.external_gear.spec import SealParameters
 
 TABLE = """temperature [degC],penetration [mm],friction_force [N]
 20,0.2,10

@@ -11,8 +11,7 @@ from toothspace.closures.density import liquid_specific_volume
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
 from toothspace.library import library_names, load_fluid, load_material
-from toothspace.model.fluid import GasModel, fluid_law, liquid_at, temperature_range
-from toothspace.model.fluid_table import fit_table
+from toothspace.model.fluid import GasModel, fit_table, fluid_law, liquid_at, temperature_range
 
 HEADER = "temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]"
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from toothspace.gearing.tooth import spline_coefficients
 from toothspace.numerics.roots import root_between
-from toothspace.numerics.spline import spline_coefficients
 
 
 @pytest.mark.parametrize("nodes", [2, 3, 4, 5, 80])

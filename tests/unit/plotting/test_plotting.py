@@ -9,12 +9,12 @@ import xarray as xr
 
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api
+from toothspace.core.status import Event
 from toothspace.model.path_category import OUTLET_PORT
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
+from toothspace.plotting.geometry import one_chamber, opening_area, opening_windows
 from toothspace.plotting.section import fluid_cells, turned_section
 from toothspace.plotting.style import figure_to_svg, save_figure
-from toothspace.plotting.windows import one_chamber, opening_area, opening_windows
-from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 
 CASES = Path(__file__).resolve().parents[3] / "cases"

@@ -11,19 +11,16 @@ import numpy as np
 import pytest
 
 from tests.fake_solution import fake_description, fake_solution
-from toothspace.advice.findings import findings_of
-from toothspace.advice.limits import limits_of
-from toothspace.advice.verdict import verdict
+from toothspace.advice.findings import findings_of, limits_of, verdict
 from toothspace.api import describe, load_case, machine_of
 from toothspace.core.status import Status
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import html, report_html, write_report
-from toothspace.report.document import document_lines
-from toothspace.report.html import report_contents
-from toothspace.report.wording import format_value, quantity
+from toothspace.report.html import document_lines, report_contents
+from toothspace.report.page import format_value, quantity
 from toothspace.results.credibility import with_warnings
-from toothspace.results.io import load_solution
 from toothspace.results.ledger import Ledger, loss_causes, power_ledger
+from toothspace.results.solution import load_solution
 
 
 class Resources(HTMLParser):

@@ -15,7 +15,7 @@ from toothspace.core.status import Status
 from toothspace.model.fluid import highest_pressure
 from toothspace.results.credibility import with_warnings
 from toothspace.results.solution import Solution
-from toothspace.run import lumped
+from toothspace.run import run as lumped
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 

@@ -11,11 +11,10 @@ import pytest
 from toothspace import api
 from toothspace.closures.density import mixture_density
 from toothspace.model import arrays as col
-from toothspace.results.lost_flow import LABELS, leakages_of, parts_of
+from toothspace.results.performance import LABELS, leakages_of, parts_of
 from toothspace.results.solution import Solution
 from toothspace.solver import outcome
-from toothspace.solver.look import Look
-from toothspace.solver.lost_flow import lost_flow_parts, path_leakage, shares
+from toothspace.solver.lost_flow import Look, lost_flow_parts, path_leakage, shares
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 MACHINES = [

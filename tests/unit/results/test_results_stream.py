@@ -12,9 +12,8 @@ import pytest
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.results.io import load_solution
 from toothspace.results.ledger import Ledger
-from toothspace.results.solution import Solution
+from toothspace.results.solution import Solution, load_solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import dataset_from
 

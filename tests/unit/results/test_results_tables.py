@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from tests.fake_solution import fake_description
-from toothspace.results.machine_tables import save_tables, save_tables_txt
+from toothspace.results.file_layout import save_tables, save_tables_txt
 
 
 def test_netcdf_holds_volumes_with_slopes_and_units(tmp_path: Path) -> None:

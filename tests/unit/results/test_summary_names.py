@@ -8,7 +8,7 @@ import pytest
 
 from tests.conftest import TESTS
 from toothspace.core.errors import CaseError
-from toothspace.results.summary_names import BY_LABEL, OVER_TIME, STEADY, require_known
+from toothspace.results.variables import BY_LABEL, OVER_TIME, STEADY, require_known
 
 
 def test_all_numbers_of_the_stored_runs_are_known() -> None:

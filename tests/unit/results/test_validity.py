@@ -11,9 +11,9 @@ import xarray as xr
 
 from tests.fake_solution import fake_solution
 from toothspace.api import simulate
+from toothspace.results.credibility import temperatures_beyond, temperatures_of
 from toothspace.results.performance import outlet_temperature
 from toothspace.results.solution import Solution
-from toothspace.results.validity import temperatures_beyond, temperatures_of
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"
 RANGE = 233.15, 393.15

@@ -15,11 +15,12 @@ from tests.fake_solution import fake_solution
 from toothspace import api
 from toothspace.case import Case, load_case
 from toothspace.core.status import Status
-from toothspace.floating import coupled_run
+from toothspace.floating import coupling
 from toothspace.floating.coupling import PointRequest
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
-from toothspace.run import heating, running_in, seats
+from toothspace.run import heating, running_in
+from toothspace.run import run as runs
 from toothspace.run.running_in import Tracks
 from toothspace.studies.points import evaluate_points, point
 from toothspace.studies.startup import started
@@ -95,8 +96,8 @@ def test_a_track_within_two_percent_is_run_in() -> None:
 
 def test_seats_that_do_not_agree_are_not_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     table = SimpleNamespace(seat_factor=1.0)
-    monkeypatch.setattr(seats, "replace", lambda thing, **changes: thing)
-    search = seats.SeatSearch(cast(MachineDescription, SimpleNamespace(lateral_table=table)))
+    monkeypatch.setattr(runs, "replace", lambda thing, **changes: thing)
+    search = runs.SeatSearch(cast(MachineDescription, SimpleNamespace(lateral_table=table)))
     data = xr.Dataset(
         {
             "lateral_leakage_factor": ("s", [2.0]),
@@ -137,11 +138,11 @@ def test_an_elastic_run_keeps_what_its_temperatures_miss(monkeypatch: pytest.Mon
         missed: Solution = cold.short_of("Films would be too warm.")
         return missed
 
-    monkeypatch.setattr(coupled_run, "couple_point", lambda *_: next(made))
-    monkeypatch.setattr(coupled_run, "_with_films", films)
+    monkeypatch.setattr(coupling, "couple_point", lambda *_: next(made))
+    monkeypatch.setattr(coupling, "_with_films", films)
     request = PointRequest(settings=cast(Any, None), start=1e-6)
     anything = cast(Any, None)
-    found = coupled_run.coupled_solution(anything, anything, anything, request, 1, heated=heated)
+    found = coupling.coupled_solution(anything, anything, anything, request, 1, heated=heated)
     assert found.status is Status.NOT_REACHED
     assert taken == [points[0]]
 

@@ -13,7 +13,7 @@ from toothspace.closures.heat_transfer import film_wall_conductance, turning_bod
 from toothspace.model.description import LumpedJournalBearing, LumpedLateralFilm
 from toothspace.model.fluid import library_liquid
 from toothspace.model.path_category import DRAIN, LATERAL
-from toothspace.run.heat_network import (
+from toothspace.run.heating import (
     HeatFlows,
     HeatNetwork,
     heat_network,

@@ -10,7 +10,7 @@ import pytest
 from toothspace import api
 from toothspace.case.presets import INTERFACES, MODELS, PRESETS
 from toothspace.core.errors import CaseError
-from toothspace.run.interfaces import interface_models, unused_tables
+from toothspace.run.run import interface_models, unused_tables
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 PUMP = REPOSITORY / "cases" / "egm12_pump.toml"

@@ -9,7 +9,7 @@ import pytest
 from toothspace import api
 from toothspace.case import load_case
 from toothspace.floating.problem import balance_of, film_laws
-from toothspace.run.interfaces import interface_models, unused_tables
+from toothspace.run.run import interface_models, unused_tables
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 

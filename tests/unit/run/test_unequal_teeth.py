@@ -9,7 +9,7 @@ import pytest
 
 from toothspace import api
 from toothspace.core.status import Status
-from toothspace.results.io import load_solution
+from toothspace.results.solution import load_solution
 from toothspace.run.running_in import Tracks
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"

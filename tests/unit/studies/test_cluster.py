@@ -24,7 +24,7 @@ from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.netcdf import read_dataset
 from toothspace.core.status import Status
 from toothspace.studies import StudyResult, run_study, workers
-from toothspace.studies.records import FILE_NAME
+from toothspace.studies.study import FILE_NAME
 from toothspace.studies.workers import WorkerLostError, Workers
 
 SWEEP = """

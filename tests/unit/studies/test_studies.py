@@ -25,11 +25,10 @@ from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.registry import STUDY_KEYS
 from toothspace.core.status import Status
 from toothspace.report.study import study_report_html
-from toothspace.results.io import read_dataset
+from toothspace.results.solution import read_dataset
 from toothspace.studies import run_study, study_figures
 from toothspace.studies.efficiency_map import characteristics
-from toothspace.studies.records import FILE_NAME, PREVIOUS_FILE_NAME, Record, Records
-from toothspace.studies.study import Study
+from toothspace.studies.study import FILE_NAME, PREVIOUS_FILE_NAME, Record, Records, Study
 from toothspace.studies.workers import Workers
 
 CLEARANCE = "machine.casing.radial_clearance"

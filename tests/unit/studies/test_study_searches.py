@@ -17,12 +17,11 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.report.study import study_report_html
 from toothspace.studies import run_study
-from toothspace.studies.keys import Limit
 from toothspace.studies.least_squares import fit
 from toothspace.studies.measured import read_measured
-from toothspace.studies.records import FILE_NAME
+from toothspace.studies.study import FILE_NAME
 from toothspace.studies.tolerance import index_samples, rank_correlations, sobol_indices
-from toothspace.studies.variation import unit_samples
+from toothspace.studies.variation import Limit, unit_samples
 
 CLEARANCE = "machine.casing.radial_clearance"
 SPEED = "operating_point.shaft_speed"

@@ -12,12 +12,16 @@ import xarray as xr
 
 from toothspace.core.status import Status
 from toothspace.results.tooth_contacts import ToothContacts
-from toothspace.validation import book, gerotor, lateral, published_films, service_manuals
+from toothspace.validation import book, gerotor, lateral, published_films, reference_machines
 
 CHECKED = tuple(
     claim
-    for module in (published_films, gerotor, lateral, service_manuals)
-    for claim in module.CLAIMS
+    for claim in (
+        *published_films.CLAIMS,
+        *gerotor.CLAIMS,
+        *lateral.CLAIMS,
+        *reference_machines.SERVICE_MANUAL_CLAIMS,
+    )
     if claim.measure is not None
 )
 BY_KEY = {claim.key: claim for claim in CHECKED}
@@ -207,7 +211,7 @@ def test_pump_of_a_manual(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for flow, expected in ((60.0, "pass"), (10.0, "fail")):
         numbers = {"mean_flow_L_per_min": flow, "volumetric_efficiency": 0.9}
         solution = SimpleNamespace(summary=lambda found=numbers: found)
-        monkeypatch.setattr(service_manuals, "solved", lambda *_, found=solution: found)
+        monkeypatch.setattr(reference_machines, "solved", lambda *_, found=solution: found)
         assert verdict(key) == expected
 
 

@@ -24,9 +24,9 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     close,
+    columns,
     holds,
 )
-from toothspace.validation.resources import columns
 
 SOURCE = ValidationSource(
     "galilei_1638", "Fall of a stone", "G. Galilei, Discorsi (1638), third day."

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.validation.claim import columns
 from toothspace.validation.published_films import bertocchi_pad
-from toothspace.validation.resources import columns
 
 
 def test_pressure_along_the_middle() -> None:

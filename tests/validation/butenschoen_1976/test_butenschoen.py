@@ -7,8 +7,8 @@ import csv
 import numpy as np
 import pytest
 
+from toothspace.validation.claim import data_file
 from toothspace.validation.published_films import SPEED, butenschoen_bearing
-from toothspace.validation.resources import data_file
 
 
 def _rows(name: str, largest: float) -> list[dict[str, float]]:

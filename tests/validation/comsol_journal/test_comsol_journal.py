@@ -7,8 +7,8 @@ import csv
 import numpy as np
 import pytest
 
+from toothspace.validation.claim import data_file
 from toothspace.validation.published_films import comsol_film
-from toothspace.validation.resources import data_file
 
 ROWS = list(csv.DictReader(data_file("comsol_journal").read_text().splitlines()))
 

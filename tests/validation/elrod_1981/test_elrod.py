@@ -6,8 +6,8 @@ import csv
 
 import pytest
 
+from toothspace.validation.claim import data_file
 from toothspace.validation.published_films import elrod_film
-from toothspace.validation.resources import data_file
 
 ROWS = [
     {key: float(text) for key, text in row.items()}

@@ -24,7 +24,7 @@ from toothspace.elasticity import (
 from toothspace.films import Groove, JournalBearing
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.film import PlaneFilm, PlanePoints
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 RADIUS, HALF_WIDTH, CLEARANCE = 0.1, 0.1, 150e-6
 VISCOSITY = 9.29e-3

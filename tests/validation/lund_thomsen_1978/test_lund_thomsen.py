@@ -7,8 +7,8 @@ import csv
 import numpy as np
 import pytest
 
+from toothspace.validation.claim import data_file
 from toothspace.validation.published_films import SPEED, lund_thomsen_bearing, lund_thomsen_load
-from toothspace.validation.resources import data_file
 
 ROWS = list(csv.DictReader(data_file("lund_thomsen_1978").read_text().splitlines()))
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from toothspace.closures.set_valued_friction import STUCK, next_direction
+from toothspace.closures.friction import STUCK, next_direction
 from toothspace.core.types import Array
-from toothspace.validation.resources import data_file
+from toothspace.validation.claim import data_file
 
 REFERENCE = data_file("modelica_friction")
 INERTIA = (1.0, 0.05, 1.0)

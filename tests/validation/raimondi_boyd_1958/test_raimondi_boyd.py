@@ -7,8 +7,8 @@ import csv
 import numpy as np
 import pytest
 
+from toothspace.validation.claim import data_file
 from toothspace.validation.published_films import raimondi_bearing
-from toothspace.validation.resources import data_file
 
 ROWS = list(csv.DictReader(data_file("raimondi_boyd_1958").read_text().splitlines()))
 

@@ -13,13 +13,11 @@ import contextlib
 import hashlib
 import os
 import pickle
-import re
 import sys
 import tempfile
 import time
 import warnings
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any, final
 
@@ -29,62 +27,11 @@ from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
-_PACKAGE = Path(__file__).resolve().parents[2]
-_IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
+from toothspace.core.compilation.sources import compiled_folder, digest_of_sources
+
 _DIGEST = hashlib.sha256().digest_size
 _SECONDS_KEPT = 60 * 24 * 3600.0
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, pickle.PickleError, AttributeError)
-
-
-@cache
-def _texts() -> dict[str, str]:
-    """Names and texts of all modules of the package."""
-    return {
-        ".".join(path.relative_to(_PACKAGE).with_suffix("").parts): path.read_text("utf-8")
-        for path in _PACKAGE.rglob("*.py")
-    }
-
-
-def _library() -> dict[str, str]:
-    """Texts of the fluids and materials of the package."""
-    paths = (_PACKAGE / "library").rglob("*.toml")
-    return {path.relative_to(_PACKAGE).as_posix(): path.read_text("utf-8") for path in paths}
-
-
-def _with_imports(found: set[str]) -> dict[str, str]:
-    """Texts of modules and of all that these import."""
-    texts = _texts()
-    found = found & texts.keys()
-    ahead = list(found)
-    while ahead:
-        for place, names in _IMPORT.findall(texts[ahead.pop()]):
-            # a name may be that of a module of a package
-            imported = {place, *(f"{place}.{name}" for name in re.findall(r"\w+", names))}
-            imported &= texts.keys()
-            ahead += imported - found
-            found |= imported
-    return {name: texts[name] for name in found}
-
-
-@cache
-def digest_of_sources(module: str | None = None) -> str:
-    """Digest of the sources behind a module, or of the whole package with its library."""
-    sources = _with_imports({module}) if module else {**_texts(), **_library()}
-    digest = hashlib.sha256()
-    for name, text in sorted(sources.items()):
-        digest.update(f"{name}\n{text}".encode())
-    return digest.hexdigest()[:16]
-
-
-def cache_root() -> Path:
-    """Folder of all that is kept: ``TOOTHSPACE_CACHE``, or one in the user's cache folder."""
-    base = os.environ.get("TOOTHSPACE_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "toothspace"
-
-
-def compiled_folder() -> Path:
-    """Folder of the compiled entries."""
-    return cache_root() / "compiled"
 
 
 @final

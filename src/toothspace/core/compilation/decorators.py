@@ -1,67 +1,56 @@
-"""What marks a function as compiled code.
+"""What marks a function as compiled code, a class as a record that such code reads.
 
-Where the installed Numba is not one that :mod:`toothspace.core.compilation.parts` is tested
-with, or ``TOOTHSPACE_COMPILATION=plain`` is set, Numba compiles every function on its own: the
-results are the same, the first use takes minutes.
+The marks cost nothing and load no compiler: they are handed to Numba when it is first asked to
+compile, which is never where the library holds every entry.
 """
 
 from __future__ import annotations
 
-import os
-import sys
-from multiprocessing import parent_process
-from typing import Any
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
 
-import numba
-from numba.extending import register_jitable
+from toothspace.core.compilation.entry import Entry
+from toothspace.core.compilation.library import Way, chosen, way
+from toothspace.core.compilation.marks import mark
 
-from toothspace.core.compilation.cache import cache_root, digest_of_sources
-
-TESTED = ("0.68",)
-"""Numba releases that the parts are tested with."""
+_Record = TypeVar("_Record", bound=type)
 
 
-def _parts_wanted() -> bool:
-    if os.environ.get("TOOTHSPACE_COMPILATION") == "plain":
-        return False
-    if numba.__version__.rpartition(".")[0] in TESTED:
-        return True
-    if parent_process() is None:
-        known = f"tested with {', '.join(TESTED)}"
-        slow = "the first use of every function compiles, some minutes in all"
-        sys.stderr.write(f"Numba {numba.__version__} ({known}): {slow}\n")
-    return False
+def njit(function: Any = None, /, **options: Any) -> Any:
+    """Compile a function without the interpreter; options are those of ``numba.njit``."""
+    if function is None:
+        return partial(njit, **options)
+    if way() in {Way.LIBRARY, Way.MISSING}:
+        return Entry(function, options, chosen()[2])
+    from toothspace.core.compilation.jit import compiled
+
+    return compiled(function, options)
 
 
-PARTS = _parts_wanted()
-"""Whether inner functions are compiled as parts of what Python calls."""
+def inlined(function: Any) -> Any:
+    """Mark a formula that stays plain Python and is compiled where compiled code calls it."""
+    mark("formula", function)
+    return function
 
-if PARTS:
-    from toothspace.core.compilation.parts import Formula, Kernel
 
-    _formulas: dict[Any, Formula] = {}
+def stand_in(function: Callable[..., Any]) -> Callable[[Any], Any]:
+    """Mark a rule that chooses what compiled code calls in place of a plain function.
 
-    def njit(function: Any = None, /, **options: Any) -> Any:
-        """Compile a function without the interpreter; options are those of ``numba.njit``."""
-        if function is not None:
-            return Kernel(function)
-        return lambda target: Kernel(target, None, options)
+    The rule gets the types of the arguments: an array has ``ndim``, a number has not.
+    """
 
-    def inlined(function: Any) -> Any:
-        """Mark a formula that stays plain Python and is compiled where compiled code calls it."""
-        _formulas[function] = Formula(function)
-        return function
+    def marked(choose: Any) -> Any:
+        mark("stand_in", function, choose)
+        return choose
 
-else:
-    # Numba follows no calls into other modules; it reads the variable once, perhaps before
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_root() / f"compiled-{digest_of_sources()}"))
-    numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+    return marked
 
-    def njit(function: Any = None, /, **options: Any) -> Any:
-        """Compile a function without the interpreter; options are those of ``numba.njit``."""
-        return numba.njit(function, cache=True, **options)
 
-    inlined = register_jitable
+def passed_by_address(record: _Record) -> _Record:
+    """Mark a named-tuple class whose instances compiled code reads from one block of memory."""
+    mark("record", record)
+    return record
 
 
 kernel = njit(error_model="numpy", _nrt=False, nogil=True)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from types import FunctionType
 from typing import Any, final
 
-from toothspace.core.compilation.cache import compiled_folder
+from toothspace.core.compilation.sources import compiled_folder
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.memory import require_memory
 

@@ -2,7 +2,7 @@
 
 Numba hands a named tuple on by value: each of its arrays becomes seven values in every call,
 and a system of some fifty arrays becomes hundreds. A class marked with
-:func:`passed_by_address` stays a named tuple in Python. When Python calls compiled code, scalars
+``passed_by_address`` stays a named tuple in Python. When Python calls compiled code, scalars
 and descriptions of arrays are written once into a block of 64-bit words; compiled code hands on
 its address and loads what it uses.
 
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from llvmlite import ir
@@ -31,11 +31,11 @@ from numba.extending import (
     unbox,
 )
 
-_Record = TypeVar("_Record", bound=type)
 _WORD = 8
 _FORMATS: dict[types.Type, str] = {
     types.int64: "q",
     types.float64: "d",
+    types.boolean: "q",
 }
 
 
@@ -76,15 +76,22 @@ def _format(class_name: str, name: str, kind: types.Type) -> str:
     )
 
 
-def passed_by_address(record: _Record) -> _Record:
-    """Mark a named-tuple class whose instances compiled code reads from one block of memory."""
+_BY_ADDRESS: set[type] = set()
+
+
+def by_address(record: type) -> bool:
+    """Whether instances of a named-tuple class are passed by their address."""
+    return record in _BY_ADDRESS
+
+
+def register_record(record: type) -> None:
+    """Make the type of a named-tuple class known whose instances are passed by their address."""
+    _BY_ADDRESS.add(record)
 
     @typeof_impl.register(record)
     def _typeof(value: Any, context: Any) -> RecordAddress:
         kinds = [typeof_impl(item, context) for item in value]
         return RecordAddress(record.__name__, tuple(zip(value._fields, kinds, strict=True)))
-
-    return record
 
 
 def pack(value: tuple[Any, ...], form: str) -> bytes:
@@ -123,6 +130,9 @@ def _load_field(context: Any, builder: Any, kind: RecordAddress, address: Any, n
     field, place = kind.fields[name], kind.places[name]
     if isinstance(field, RecordAddress):
         return cgutils.pointer_add(builder, address, place)
+    if field == types.boolean:
+        word = _load_word(builder, address, place, context.get_value_type(types.int64))
+        return builder.icmp_signed("!=", word, word.type(0))
     if not isinstance(field, types.Array):
         return _load_word(builder, address, place, context.get_value_type(field))
     return _load_array(context, builder, address, place, field)

@@ -3,10 +3,8 @@
 ===================  ================================================================
 module               responsibility
 ===================  ================================================================
-geometry             gap between shaft and bush, grooves, lobes, integrals over the film
-definition           what is known before a film is solved
-solver               film for a given motion of the shaft
-solution             its fields, loads, flows, stiffness and damping
+geometry             what is known before a film is solved; its gap, integrals over it
+solution             film for a given motion of the shaft: fields, loads, stiffness, damping
 equilibrium          position of the shaft under a load, and its tilt under a moment
 bearing              :class:`~.bearing.JournalBearing`, which solves it
 shaft_motion         stability threshold and transient orbit

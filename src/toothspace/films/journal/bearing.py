@@ -8,9 +8,8 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import CaseError
-from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import find_equilibrium, find_tilted_equilibrium
-from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.geometry import JournalDefinition, MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
 from toothspace.films.reynolds.rough_surfaces import refuse_deep_contact
 from toothspace.films.reynolds.state import FilmHistory

@@ -9,8 +9,7 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.journal.definition import JournalDefinition
-from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.geometry import JournalDefinition, MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import JournalBearingSolution, load_derivatives, solve_motion
 
 _LONGEST_STEP = 0.5

@@ -1,4 +1,4 @@
-r"""Geometry of the film between a shaft and its bush, and the integrals over it.
+r"""Definition of a journal bearing, the gap between shaft and bush, and the integrals over it.
 
 Angle :math:`\varphi` runs from x towards y about the bush axis, :math:`z` along it from the
 middle of the bush. With the displacement :math:`(x, y)` and the rotation
@@ -12,15 +12,77 @@ middle of the bush. With the displacement :math:`(x, y)` and the rotation
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 from typing import NamedTuple, final
 
 import numpy as np
 
 from toothspace.core.compiled import njit
+from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.definitions import Groove, Lobes
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
+from toothspace.films.definitions import Groove, Lobes, RoughSurfaces
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
+from toothspace.films.reynolds.fluid import CAVITATION, FilmFluid
 from toothspace.films.reynolds.rough_surfaces import FlowLaw, pressure_stress, stress_factors
+from toothspace.numerics.banded import check_grid
+from toothspace.numerics.vectors import put
+
+_CHOICES = {
+    "cavitation": set(CAVITATION),
+    "end_condition": {"pressure", "no_flow"},
+    "supply": {"auto", "none", "widest_gap"},
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class JournalDefinition:
+    """What is known of a journal bearing before its film is solved.
+
+    The fields are the parameters of :class:`~toothspace.films.journal.bearing.JournalBearing`.
+    """
+
+    diameter: float
+    length: float
+    radial_clearance: float
+    dynamic_viscosity: float
+    grid: tuple[int, int] = (200, 53)
+    cavitation: str = "jfo"
+    grooves: tuple[Groove, ...] = ()
+    end_pressure: float = ATMOSPHERIC_PRESSURE
+    cavitation_pressure: float = ATMOSPHERIC_PRESSURE
+    end_condition: str = "pressure"
+    surfaces: RoughSurfaces | None = None
+    lobes: Lobes | None = None
+    supply: str = "auto"
+    pressure_viscosity: float = 0.0
+    compressible: bool = False
+
+    def __post_init__(self) -> None:
+        for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
+            value = getattr(self, key)
+            if not (isinstance(value, Real) and float(value) > 0.0):
+                raise CaseError(f"bearing.{key}", f"{value!r}", "are positive SI numbers")
+        for key, allowed in _CHOICES.items():
+            value = getattr(self, key)
+            if value not in allowed:
+                raise CaseError(f"bearing.{key}", f"{value!r}", f"are {sorted(allowed)}")
+        for groove in self.grooves:
+            if abs(groove.position) >= 0.5 * (self.length + groove.length):
+                raise CaseError(
+                    "bearing.grooves.position",
+                    f"{1000.0 * groove.position:g} mm",
+                    f"are grooves on the bearing of {1000.0 * self.length:g} mm",
+                )
+        if np.shape(self.grid) != (2,) or min(self.grid) < 4:
+            raise CaseError("bearing.grid", f"{self.grid!r}", "are 4 cells or more")
+        check_grid("bearing.grid", self.grid)
+        object.__setattr__(self, "grooves", tuple(self.grooves))
+
+    @property
+    def fluid(self) -> FilmFluid:
+        """Liquid of the film."""
+        return FilmFluid(self.dynamic_viscosity, self.pressure_viscosity, self.compressible)
 
 
 class JournalMesh(NamedTuple):
@@ -158,8 +220,9 @@ def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> Gap
     centre = _plane_waves(mesh, place, clearance, 0.0, mesh.axial)
     face_y = _plane_waves(mesh, place, clearance, 0.0, mesh.axial_face)
     face_x = np.empty((rows + 1, lanes))
-    face_x[:rows] = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
-    face_x[rows] = face_x[0]
+    shifted = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
+    for i in range(rows + 1):
+        put(face_x[i], shifted[i % rows])
     rate = _plane_waves(mesh, motion.speed, 0.0, 0.0, mesh.axial)
     return GapField(centre, face_x, face_y, rate, np.zeros((rows, lanes)))
 

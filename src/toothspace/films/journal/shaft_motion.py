@@ -12,9 +12,8 @@ from scipy.optimize import brentq
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.journal.bearing import JournalBearing
-from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import closeness, longest_part
-from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.geometry import JournalDefinition, MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
 
 Load = Callable[[float], tuple[float, float]]

@@ -6,8 +6,6 @@ module        responsibility
 film          solution on a given grid, loads and rigid motions
 pad           rectangular pads: inclined, stepped, with a pocket or of any shape
 ring          film between a rotating and a fixed face on a polar grid, masked by given pressures
-rigid_faces   films on one face of every body of a machine, at one shaft angle
 conductance   conductances and supporting areas of the films on a face over the shaft angle
-shared_paths  flow paths from those of covers that several bodies share
 ============  ==========================================================================
 """

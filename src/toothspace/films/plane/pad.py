@@ -9,9 +9,9 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import (
     FaceSolution,
@@ -20,9 +20,8 @@ from toothspace.films.plane.film import (
     cartesian_points,
     solve_plane,
 )
-from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
-from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.fluid import CAVITATION, FilmFluid
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, flow_law, wall_stress
 from toothspace.films.reynolds.state import FilmHistory
 from toothspace.numerics.banded import check_grid

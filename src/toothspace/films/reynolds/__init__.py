@@ -4,11 +4,9 @@
 module          responsibility
 ==============  =====================================================================
 equation        from gap heights to cell balances, and their variation with the gap
-state           pressure, film fraction and liquid of a film of given gap
-fluid           viscosity and density that follow the pressure
-cavitation      names of the cavitation models
+state           pressure, film fraction and liquid of a film of given gap, and their change
+fluid           viscosity and density that follow the pressure, models of cavitation
 rough_surfaces  average flow, asperity contact and boundary friction of rough walls
-linearised      change of a solved pressure with flows added to its balance
 active_set      balance of a film between deformable walls, linearised on its active set
 ==============  =====================================================================
 """

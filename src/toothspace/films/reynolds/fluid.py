@@ -1,4 +1,4 @@
-"""Liquid of a film whose viscosity and density follow the pressure."""
+"""Liquid of a film, whose viscosity and density follow the pressure, and models of cavitation."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from toothspace.closures.viscosity import barus_viscosity
 from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, FluidField
+from toothspace.numerics.complementarity import Constraint
 
 HIGHEST_EXPONENT = 20.0
 """Logarithm of the viscosity ratio beyond which Barus' law is not followed. [-]"""
@@ -170,3 +171,11 @@ class FilmFluid:
             south=self.reduced(grid.south),
             north=self.reduced(grid.north),
         )
+
+
+CAVITATION = {
+    "guembel": Constraint.NONE,
+    "reynolds": Constraint.OBSTACLE,
+    "jfo": Constraint.CONSERVING,
+}
+"""Cavitation models by name."""

@@ -9,8 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toothspace.closures.contact_asperities import greenwood_tripp_pressure, kogut_etsion_pressure
-from toothspace.closures.contact_rough import asperity_pressure, mean_gap_ratio
+from toothspace.closures.contact_rough import (
+    asperity_pressure,
+    greenwood_tripp_pressure,
+    kogut_etsion_pressure,
+    mean_gap_ratio,
+)
 from toothspace.closures.flow_factors import (
     PatternColumns,
     contact_factor,

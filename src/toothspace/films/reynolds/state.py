@@ -21,7 +21,6 @@ from toothspace.films.reynolds.equation import (
     film_balance,
 )
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.linearised import solved_responses
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, mean_gap
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.complementarity import (
@@ -31,7 +30,7 @@ from toothspace.numerics.complementarity import (
     residual,
     solve_complementarity,
 )
-from toothspace.numerics.linear_system import PRESCRIBED, TIGHT
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED, TIGHT
 from toothspace.numerics.structured_grid import CellBalance
 
 FLUID_PASSES = 120
@@ -270,3 +269,26 @@ def _solve(
         if fields.converged:
             return fields
     return solve_complementarity(balance, constraint)
+
+
+def solved_responses(
+    fields: ComplementaritySolution, flows: Sequence[Array], relative_tolerance: float
+) -> list[Array]:
+    """Change of a solved pressure with flows added to its balance: sides of one solution. [Pa].
+
+    Parameters
+    ----------
+    fields
+        Solution of the balance.
+    flows : sequence of ndarray
+        Net flow out of every cell by each. [m3/s]
+    relative_tolerance : float
+        Residual of the linear solution over its right-hand side. [-]
+    """
+    known = fields.kind == PRESCRIBED
+    sides = np.empty((len(flows), known.size))
+    for side, flow in zip(sides, flows, strict=True):
+        side[:] = np.where(known, 0.0, -flow).ravel()
+    found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
+    held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
+    return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]

@@ -11,8 +11,12 @@ from toothspace.gearing.openings import groove_openings
 from toothspace.gearing.space_paths import ToothSpaces, flank_paths
 from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.curve import signed_area
-from toothspace.machines.crescent.assembly import CrescentAssembly
-from toothspace.machines.crescent.filler import cover_recesses, filler_edges, relief_polygons
+from toothspace.machines.crescent.assembly import (
+    CrescentAssembly,
+    cover_recesses,
+    filler_edges,
+    relief_polygons,
+)
 from toothspace.machines.crescent.gear_bodies import BODIES, MOTIONS
 from toothspace.machines.crescent.parameters import NotchParameters
 from toothspace.model.description import FlowPath
@@ -30,10 +34,7 @@ def flow_paths(
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
-    Returns
-    -------
-    tuple of FlowPath
-        Flanks, then per gear tips at the filler, ports, recesses, grooves, lateral, drain gaps.
+    Flanks, then per gear tips at the filler, ports, recesses, grooves, lateral, drain gaps.
     """
     spec, grooves = assembly.spec, assembly.grooves
     roughness = spec.pinion.roughness, spec.ring.roughness
@@ -97,16 +98,13 @@ def _tip_path(assembly: CrescentAssembly, own: ToothSpaces) -> FlowPath:
 def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchParameters) -> Array:
     """Opening of a tooth space to the outlet through the notch in the face of the filler.
 
+    Section of the notch at the leading corner of the space [m2], its hydraulic diameter [m];
+    nothing any more once the trailing corner has left the filler, shape (places, 2).
+
     Parameters
     ----------
     notch : NotchParameters
         Size of the notch. [m]
-
-    Returns
-    -------
-    ndarray, shape (places, 2)
-        Section of the notch at the leading corner of the space [m2], its hydraulic diameter [m];
-        nothing any more once the trailing corner has left the filler.
     """
     tooth, count = own.spaces.own, own.spaces.angles.size
     radius, half = abs(tooth.tip_radius), 0.5 * abs(abs(tooth.pitch_angle) - abs(tooth.land_angle))

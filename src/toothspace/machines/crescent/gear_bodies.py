@@ -18,8 +18,12 @@ from toothspace.geometry.curve import (
     signed_area,
     turned,
 )
-from toothspace.machines.crescent.assembly import CrescentAssembly
-from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
+from toothspace.machines.crescent.assembly import (
+    CrescentAssembly,
+    cover_recesses,
+    filler_outline,
+    relief_polygons,
+)
 from toothspace.machines.shared_bearings import gear_on_shaft, ring_bearing, shaft_bearings
 from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm
 from toothspace.model.film_faces import ChamberRing, FaceBody, FilmFace

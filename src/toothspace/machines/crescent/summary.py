@@ -8,16 +8,15 @@ import numpy as np
 import shapely
 
 from toothspace.advice import gear_rules as rules
-from toothspace.advice.bearing_rules import bearing_checks
-from toothspace.advice.short_circuit import opening_checks
-from toothspace.core.design_check import DesignCheck, warnings_of
+from toothspace.advice.gear_rules import bearing_checks
+from toothspace.advice.trapping import opening_checks
+from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.curve import turned
 from toothspace.geometry.involute import involute_function
-from toothspace.machines.crescent.assembly import CrescentAssembly
-from toothspace.machines.crescent.filler import filler_edges, filler_thickness
+from toothspace.machines.crescent.assembly import CrescentAssembly, filler_edges, filler_thickness
 from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
 
 _LEAST_ROOT_CLEARANCE = 0.05

@@ -72,13 +72,16 @@ class Assembly(meshing.MeshedGears):
 def assemble(spec: ExternalGearSpec) -> Assembly:
     """Put the gears of a machine into mesh.
 
-    Raises
-    ------
-    GeometryError
-        If the gears do not reach one another or overlap.
+    Raises GeometryError if the gears do not reach one another or overlap.
     """
     profiles = _profile(spec.drive), _profile(spec.driven)
-    pair = _involute_pair(spec)
+    drive, driven = spec.drive.tooth, spec.driven.tooth
+    if not isinstance(drive, InvoluteGear) or not isinstance(driven, InvoluteGear):
+        pair = None
+    elif spec.center_distance is not None:
+        pair = pair_from_center_distance(drive, driven, spec.center_distance)
+    else:
+        pair = pair_from_backlash(drive, driven, spec.keys.gears.normal_backlash or 0.0)
     distance = pair.center_distance if pair is not None else _profile_distance(spec, profiles)
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     mesh = _centred_mesh(teeth, distance)
@@ -101,15 +104,6 @@ def _profile(gear: Gear) -> GearProfile:
     if isinstance(gear.tooth, GearProfile):
         return gear.tooth
     return generate_profile(gear.tooth, POINTS_PER_TOOTH)
-
-
-def _involute_pair(spec: ExternalGearSpec) -> GearPair | None:
-    drive, driven = spec.drive.tooth, spec.driven.tooth
-    if not isinstance(drive, InvoluteGear) or not isinstance(driven, InvoluteGear):
-        return None
-    if spec.center_distance is not None:
-        return pair_from_center_distance(drive, driven, spec.center_distance)
-    return pair_from_backlash(drive, driven, spec.keys.gears.normal_backlash or 0.0)
 
 
 def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearProfile]) -> float:

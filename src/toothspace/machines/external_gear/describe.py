@@ -12,12 +12,10 @@ from toothspace.gearing.openings import SpaceOutlines
 from toothspace.machines.external_gear import gear_bodies
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
-from toothspace.machines.external_gear.gear_faces import lateral_films
+from toothspace.machines.external_gear.gear_bodies import lateral_films
 from toothspace.machines.external_gear.own_teeth import own_teeth
-from toothspace.machines.external_gear.profile_quality import as_drawn
-from toothspace.machines.external_gear.rules import design_checks
 from toothspace.machines.external_gear.spec import ExternalGearSpec
-from toothspace.machines.external_gear.summary import geometry_summary
+from toothspace.machines.external_gear.summary import as_drawn, design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription
 

@@ -12,7 +12,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.gearing.design_values import DesignValues
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
-from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
+from toothspace.machines.external_gear.spec import ExternalGearTables
 
 
 def evaluate_designs(

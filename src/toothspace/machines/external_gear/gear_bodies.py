@@ -1,17 +1,23 @@
-"""Bodies, their bearings and their faces."""
+"""Bodies, their bearings, their faces with the films beside them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import final
 
 import numpy as np
+import shapely
 
 from toothspace.closures.journal_friction import PUBLISHED
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
+from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.gearing.meshing import lens_angle
-from toothspace.geometry.curve import polar, signed_area
+from toothspace.gearing.numbering import Numbering
+from toothspace.gearing.openings import space_outlines
+from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
+from toothspace.geometry.curve import enclosed, polar, signed_area
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.shared_bearings import (
@@ -20,7 +26,15 @@ from toothspace.machines.shared_bearings import (
     gear_on_shaft,
     shaft_bearings,
 )
-from toothspace.model.description import Body, FreeBlocks, LumpedJournalBearing
+from toothspace.model.description import Body, FreeBlocks, LumpedJournalBearing, LumpedLateralFilm
+from toothspace.model.film_faces import (
+    NO_BODY,
+    ChamberRing,
+    FaceBody,
+    FaceCells,
+    FaceSurfaces,
+    FilmFace,
+)
 
 BODIES = ("drive_gear", "driven_gear")
 BLOCKS = "bearing_blocks"
@@ -121,3 +135,181 @@ def _figure_eight(assembly: Assembly) -> Array:
     above = np.linspace(high, 2.0 * np.pi - high, 180) - 0.5 * np.pi
     center = np.array([0.0, distance])
     return np.vstack([polar(lower, below)[:-1], polar(upper, above)[:-1] + center])
+
+
+_FULL_TURN = 2.0 * np.pi
+_ON_FLANK = 1e-4
+"""Distance up to which the outline of a chamber runs along a flank. [m]"""
+
+
+def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLateralFilm, ...]:
+    """Films on the faces of both gears; the height shears like both gaps together."""
+    lateral = assembly.spec.keys.lateral
+    height = lateral.shear_height
+    return tuple(
+        LumpedLateralFilm(
+            body=name,
+            faces=2,
+            height=height,
+            inner_radius=assembly.spec.shaft_radius,
+            root_radius=profile.root_radius,
+            outer_radius=profile.tip_radius,
+            tooth_area_fraction=tooth_fraction(profile),
+            tilt=lateral.tilt,
+            face=film_face(FaceOfGear(assembly, numbering, gear), height),
+        )
+        for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
+    )
+
+
+def film_face(face: FaceOfGear, gap: float) -> FilmFace:
+    """Film face beside a gear, with the gear itself and its mate.
+
+    Parameters
+    ----------
+    face : FaceOfGear
+        What stands against the bearing.
+    gap : float
+        Film height as designed. [m]
+    """
+    spec, numbering, mate = face.assembly.spec, face.numbering, 1 - face.gear
+    return FilmFace(
+        bodies=tuple(
+            FaceBody(BODIES[k], face.sections[k].center, face.sections[k].profile.tip_radius)
+            for k in (face.gear, mate)
+        ),
+        center=face.own.center,
+        inner_radius=spec.shaft_radius,
+        outer_radius=face.own.profile.tip_radius,
+        gap=gap,
+        face_map=face,
+        chambers=face.spaces,
+        recesses=np.array(list(dict(face.recesses)), dtype=np.int64),
+        inner_node=numbering.drain,
+        surfaces=_surfaces(face),
+    )
+
+
+def _surfaces(face: FaceOfGear) -> FaceSurfaces | None:
+    """Roughness of gear and floating bearing; None without that bearing."""
+    spec, block = face.assembly.spec, face.assembly.spec.floating_block
+    if block is None:
+        return None
+    own = (spec.drive, spec.driven)[face.gear]
+    return FaceSurfaces(
+        moving_roughness=own.roughness,
+        resting_roughness=block.keys.roughness,
+        effective_modulus=reduced_modulus(own.material, block.material),
+        hardness=min(own.material.hardness, block.material.hardness),
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FaceOfGear:
+    """Faces of one gear against the bearings, in the machine frame."""
+
+    assembly: Assembly
+    """Gears in mesh."""
+    numbering: Numbering
+    """Nodes of the tooth spaces."""
+    gear: int
+    """0 for the drive gear, 1 for the driven gear."""
+    sections: tuple[GearSection, GearSection] = field(init=False, repr=False)
+    spaces: ChamberRing = field(init=False, repr=False)
+    recesses: tuple[tuple[int, Array], ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        mesh, ports = self.assembly.mesh, (self.numbering.inlet, self.numbering.outlet)
+        drive, driven = self.assembly.profiles
+        sections = (
+            GearSection(drive, (0.0, 0.0), 0.5 * np.pi + mesh.half_pitch, 1.0),
+            GearSection(driven, (0.0, mesh.center_distance), -0.5 * np.pi + mesh.turn, -mesh.ratio),
+        )
+        spaces = ChamberRing(
+            nodes=self.numbering.nodes[self.gear],
+            phases=self.numbering.space_phases[self.gear],
+            angle_ratio=self.numbering.ratios[self.gear],
+            zero_angle=-0.5 * np.pi if self.gear == 0 else 0.5 * np.pi + mesh.turn,
+            direction=1.0 if self.gear == 0 else -1.0,
+            center=sections[self.gear].center,
+        )
+        grooves = groove_polygons(self.assembly).items()
+        recesses = tuple((ports[name.endswith("outlet")], outline) for name, outline in grooves)
+        object.__setattr__(self, "sections", sections)
+        object.__setattr__(self, "spaces", spaces)
+        object.__setattr__(self, "recesses", recesses)
+
+    @property
+    def own(self) -> GearSection:
+        """The gear."""
+        return self.sections[self.gear]
+
+    def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
+        """Nodes and gears at points, the own one first; angles in [rad], places in [m]."""
+        node, body = GearFace(self.own, self.spaces, self.recesses)(shaft_angle, x, y)
+        mate = self.sections[1 - self.gear].contains(shaft_angle, x, y) & (body == NO_BODY)
+        lens = np.flatnonzero((self._in_lens(x, y) & (body == NO_BODY)).ravel())
+        if lens.size:
+            # chambers between the teeth in mesh, cut where the throats are
+            places, within = (x.ravel()[lens], y.ravel()[lens]), node.ravel()[lens]
+            for chamber, outline in self._mesh_spaces(shaft_angle):
+                (shape,) = enclosed([outline])
+                shapely.prepare(shape)
+                within[shapely.contains_xy(shape, *places)] = chamber
+            node.flat[lens] = within
+        return FaceCells(node, np.where(mate, 1, body))
+
+    def own_angle(self, shaft_angle: float, x: Array, y: Array) -> Array:
+        """Angle of points in the frame of the own gear, from its first tooth. [rad]."""
+        return self.own.polar(x, y)[1] - self.own.tooth_angle(shaft_angle)
+
+    def flank_nodes(self, shaft_angle: float, radius: Array) -> IntArray:
+        """Nodes of the chambers along all flanks, shape (spaces, 2, radii).
+
+        For the spaces after each tooth, counter-clockwise in the frame of the own gear, on the left
+        flank of the tooth before and the right one of the tooth after.
+
+        Parameters
+        ----------
+        shaft_angle : float
+            Shaft angle. [rad]
+        radius : ndarray
+            Places on the flanks. [m]
+        """
+        profile = self.own.profile
+        edges = [np.interp(radius, *self.own.flank(side)) for side in (0, 1)]
+        teeth = profile.pitch_angle * np.arange(profile.tooth_count)[:, None, None]
+        own = teeth + np.stack([edges[0], profile.pitch_angle + edges[1]])
+        angle = own + self.own.tooth_angle(shaft_angle)
+        x, y = radius * np.cos(angle), radius * np.sin(angle) + self.own.center[1]
+        node = self.spaces.nodes[self.spaces.nearest(shaft_angle, x, y)]
+        # chambers between the teeth in mesh that touch the flank there
+        meshing = self._in_lens(x, y)
+        points, touched = shapely.points(x[meshing], y[meshing]), node[meshing]
+        closest = np.full(touched.shape, _ON_FLANK)
+        for chamber, outline in self._mesh_spaces(shaft_angle):
+            away = shapely.distance(shapely.LineString(outline), points)
+            touched[away < closest] = chamber
+            closest = np.minimum(away, closest)
+        node[meshing] = touched
+        return node
+
+    def _in_lens(self, x: Array, y: Array) -> BoolArray:
+        mate = self.sections[1 - self.gear]
+        return np.asarray(mate.polar(x, y)[0] <= mate.profile.tip_radius)
+
+    def _mesh_spaces(self, shaft_angle: float) -> list[tuple[int, Array]]:
+        assembly, found = self.assembly, list[tuple[int, Array]]()
+        for gear in (0, 1):
+            phases, nodes = self.numbering.space_phases[gear], self.numbering.nodes[gear]
+            turn = assembly.mesh.turn if gear == 1 else 0.0
+            table = phases + self.numbering.ratios[gear] * shaft_angle
+            place = np.mod(table, _FULL_TURN) - np.pi - turn
+            lens = assembly.mesh.lens_drive if gear == 0 else assembly.mesh.lens_driven
+            reach = lens + assembly.profiles[gear].pitch_angle
+            near = np.flatnonzero(np.abs(place) < reach)
+            make = drive_spaces if gear == 0 else driven_spaces
+            spaces: Spaces = make(*assembly.teeth, assembly.mesh, place[near])
+            found += zip(nodes[near].tolist(), space_outlines(spaces), strict=True)
+        return found

@@ -102,15 +102,9 @@ def own_teeth(
 ) -> OwnTeeth | None:
     """Deviations of both gears in mesh; None where all teeth are equal.
 
-    Returns
-    -------
-    OwnTeeth or None
-        Gaps, sections and tips of every tooth.
+    Gaps, sections and tips of every tooth.
 
-    Raises
-    ------
-    GeometryError
-        If the gears have unlike tooth counts, or flanks overlap.
+    Raises GeometryError if the gears have unlike tooth counts, or flanks overlap.
     """
     gears = assembly.spec.drive, assembly.spec.driven
     if all(gear.deviations is None for gear in gears):

@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
 
-from toothspace.machines.external_gear.from_parameters import spec_from
-from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
-from toothspace.machines.external_gear.spec import ExternalGearSpec
+from toothspace.core.errors import CaseError, GeometryError
+from toothspace.core.signals import read_grid
+from toothspace.core.types import Array
+from toothspace.gearing.gear_tables import ReliefGrooves, read_contours
+from toothspace.gearing.materials import library_material
+from toothspace.geometry.cad_import import is_solid
+from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute import InvoluteGear, generate_profile
+from toothspace.machines.external_gear.spec import (
+    PROFILE_KEYS,
+    ExternalGearSpec,
+    ExternalGearTables,
+    FloatingBlock,
+    Gear,
+    GearParameters,
+    SealParameters,
+)
+
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FoundGear
+    from toothspace.geometry.tooth_deviations import ToothDeviations
 
 
 @final
@@ -18,13 +38,234 @@ class ExternalGearParameters(ExternalGearTables):
     def assemble(self) -> ExternalGearSpec:
         """Build profiles and contours: :class:`ExternalGearSpec`.
 
-        Raises
-        ------
-        CaseError
-            If a file, a material or the geometry of a tooth is impossible.
+        Raises CaseError if a file, a material or the geometry of a tooth is impossible.
         """
         return spec_from(self)
 
 
 PARAMETERS = ExternalGearParameters
 """Found by the case reader under this name, in the module next to the machine's entry point."""
+
+
+def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
+    """Build profiles, contours and materials of a machine.
+
+    Everything that the machine type needs.
+
+    Raises
+    ------
+    CaseError
+        With the key relative to ``[machine]``.
+    """
+    driven_keys = _driven_keys(machine)
+    drive = _gear(machine.gears, "gears")
+    driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
+    for name, given, built in (
+        ("gears", machine.gears, drive),
+        ("driven_gear", driven_keys, driven),
+    ):
+        if built.found is not None:
+            from toothspace.machines.external_gear.part_files import check_unit
+
+            check_unit(machine, given, built.found.detected.profile, name)
+    in_file = None
+    if machine.gears.center_distance is None and machine.gears.normal_backlash is None:
+        from toothspace.machines.external_gear.part_files import distance_in_file
+
+        in_file = distance_in_file(machine, drive, driven)
+    distance = _check_pair(machine, drive, driven, in_file)
+    bearing = machine.journal_bearings
+    return ExternalGearSpec(
+        keys=machine,
+        drive=drive,
+        driven=driven,
+        center_distance=in_file or machine.gears.center_distance,
+        bush=library_material(bearing.material, "journal_bearings.material"),
+        seal_torque=seal_torque(machine.seals, bearing.diameter),
+        casing_contour=_casing_contour(machine, drive, driven),
+        grooves=_grooves(machine, drive, driven, distance),
+        floating_block=_floating_block(machine),
+    )
+
+
+def _check_pair(
+    machine: ExternalGearTables, drive: Gear, driven: Gear, in_file: float | None
+) -> float:
+    # returns the centre distance, of profiles with a given backlash about
+    first, second = drive.tooth, driven.tooth
+    root = min(gear.root_radius for gear in (first, second))
+    if machine.journal_bearings.diameter >= 2.0 * root:
+        found = f"{machine.journal_bearings.diameter * 1e3:.5g} mm"
+        allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
+        raise CaseError("journal_bearings.diameter", found, allowed)
+    distance = in_file or machine.gears.center_distance
+    if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
+        return distance or first.tip_radius + second.root_radius
+    try:
+        if distance is not None:
+            return pair_from_center_distance(first, second, distance).center_distance
+        backlash = machine.gears.normal_backlash or 0.0
+        return pair_from_backlash(first, second, backlash).center_distance
+    except GeometryError as error:
+        own = error.problems[0].key.startswith("driven_gear")
+        raise error.under("" if own else "gears") from error
+
+
+def _driven_keys(machine: ExternalGearTables) -> GearParameters:
+    # a measured gear is one of its kind: its deviations are not those of the other gear
+    base = replace(machine.gears, tooth_deviations=None)
+    if machine.driven_gear is None:
+        return base
+    given = {
+        f.name: getattr(machine.driven_gear, f.name)
+        for f in fields(machine.driven_gear)
+        if getattr(machine.driven_gear, f.name) is not None
+    }
+    if machine.driven_gear.profile is not None:
+        own: dict[str, Any] = {f.name: f.default for f in fields(base) if f.name in PROFILE_KEYS}
+        base = replace(base, profile=machine.driven_gear.profile, **own)
+    elif {"profile_part", "profile_body"} & given.keys():
+        base = replace(base, profile_part=None, profile_body=None)
+    try:
+        return replace(base, **given)
+    except CaseError as error:
+        raise error.under("driven_gear") from error
+
+
+def _gear(gear: GearParameters, table: str) -> Gear:
+    found = None
+    if gear.profile is not None:
+        # with what reads CAD files, half a second that generated gears do not need
+        from toothspace.machines.external_gear.part_files import detected_gear
+
+        found = detected_gear(gear, gear.profile, table)
+    tooth: InvoluteGear | GearProfile
+    if found is None:
+        tooth = gear.involute_gear(table)
+    else:
+        drawn = gear.profile_flank == "drawn"
+        tooth = found.detected.drawn if drawn else found.detected.profile
+    width = gear.face_width or (found and found.face_width)
+    if not width:
+        raise CaseError(f"{table}.face_width", "nothing", "compulsory: the file has none")
+    return Gear(
+        tooth=tooth,
+        face_width=width,
+        material=library_material(gear.material, f"{table}.material"),
+        roughness=gear.roughness,
+        tip_rounding=gear.tip_rounding,
+        found=found,
+        deviations=_deviations(gear, tooth, found, table),
+    )
+
+
+def _deviations(
+    gear: GearParameters,
+    tooth: InvoluteGear | GearProfile,
+    found: FoundGear | None,
+    table: str,
+) -> ToothDeviations | None:
+    if gear.profile_teeth == "own" and found is not None:
+        if found.detected.deviations is None:
+            allowed = "involute flanks on a whole gear, or 'equal'"
+            raise CaseError(f"{table}.profile_teeth", "'own'", allowed)
+        return found.detected.deviations
+    if gear.tooth_deviations is None:
+        return None
+    profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
+    if profile.involute is None:
+        raise CaseError(f"{table}.tooth_deviations", "a file", "involute flanks only")
+    from toothspace.geometry.tooth_deviations import read_tooth_deviations
+
+    file = gear.tooth_deviations
+    try:
+        return read_tooth_deviations(file, profile.involute, profile.tooth_count)
+    except CaseError as error:
+        text = f"{table}.tooth_deviations: {error}".replace(str(file), file.name)
+        raise GeometryError(text) from error
+
+
+def _casing_contour(machine: ExternalGearTables, drive: Gear, driven: Gear) -> Array | None:
+    casing = machine.casing
+    if is_solid(casing.contour):
+        from toothspace.machines.external_gear.part_files import casing_contour
+
+        return casing_contour(machine, drive, driven)
+    if casing.contour is None:
+        return None
+    return read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
+
+
+def _grooves(
+    machine: ExternalGearTables, drive: Gear, driven: Gear, distance: float
+) -> ReliefGrooves | None:
+    grooves = machine.relief_grooves
+    if grooves is None:
+        return None
+    if not is_solid(grooves.contour):
+        return grooves.grooves(unit=grooves.contour_unit)
+    from toothspace.machines.external_gear.part_files import groove_contours
+
+    polygons, depth = groove_contours(machine, drive, driven, distance)
+    return grooves.outlined(polygons, depth, "relief_grooves.contour")
+
+
+def _floating_block(machine: ExternalGearTables) -> FloatingBlock | None:
+    given = machine.floating_bearing
+    if given is None or given.high_pressure_area is None:
+        return None
+    table, nose = "floating_bearing", given.nose
+    return FloatingBlock(
+        keys=given,
+        material=library_material(given.material, f"{table}.material"),
+        length=given.length or machine.journal_bearings.length,
+        arrangement=machine.lateral.arrangement,
+        high_pressure_contour=_only_polygon(
+            given.high_pressure_area.contour, f"{table}.high_pressure_area.contour"
+        ),
+        nose_contour=_only_polygon(nose and nose.contour, f"{table}.nose.contour"),
+    )
+
+
+def _only_polygon(path: Path | None, key: str) -> Array | None:
+    if path is None:
+        return None
+    polygons = read_contours(path, key)
+    if len(polygons) != 1:
+        raise CaseError(key, f"{len(polygons)} polygons in {path.name}", "one polygon")
+    return polygons[0]
+
+
+_COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
+
+
+def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:
+    """Torque of the seal; with a table the bilinear force at its condition times the radius. [N m].
+
+    Raises CaseError if the table is no full grid, or the condition lies outside it.
+
+    Parameters
+    ----------
+    seals : SealParameters or None
+        Keys of ``[machine.seals]``.
+    shaft_diameter : float
+        Diameter under the lip. [m]
+
+    Notes
+    -----
+    Force over temperature and penetration as Nikas and Sayles (2006) give it for seals.
+    """
+    if seals is None:
+        return 0.0
+    if seals.table is None:
+        return seals.shaft_seal_torque or 0.0
+    from scipy.interpolate import RegularGridInterpolator
+
+    *axes, values = read_grid(seals.table, _COLUMNS)
+    for name, axis in zip(("temperature", "penetration"), axes, strict=True):
+        asked = getattr(seals, name)
+        if not axis[0] <= asked <= axis[-1]:
+            allowed = f"{axis[0]:.6g} to {axis[-1]:.6g} in SI units, the range of the table"
+            raise CaseError(f"seals.{name}", f"{asked:.6g}", allowed)
+    force = RegularGridInterpolator(axes, values)([[seals.temperature, seals.penetration]])
+    return float(force[0]) * 0.5 * shaft_diameter

@@ -5,23 +5,470 @@ Frame: origin at the drive gear, y towards the driven gear, x towards the outlet
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, cast, final
 
 import shapely
 
+from toothspace.core.errors import CaseError
+from toothspace.core.frozen import Points
+from toothspace.core.keys import (
+    KeyTable,
+    choice,
+    file_path,
+    forbid,
+    integer,
+    number,
+    optional,
+    quantity,
+    require,
+    table,
+    text,
+)
 from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.gear_tables import (
+    CONTOUR_SUFFIXES,
+    MeshingGearParameters,
+    ReliefGrooveParameters,
+    ReliefGrooves,
+)
 from toothspace.gearing.materials import Material
+from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.geometry.tooth_deviations import ToothDeviations
-from toothspace.machines.external_gear.floating.floating_parameters import FloatingBearingParameters
-from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
+from toothspace.machines.external_gear.floating.floating_parameters import (
+    ElasticBodiesParameters,
+    FloatingBearingParameters,
+)
+from toothspace.machines.shared_tables import (
+    LinedBearingParameters,
+    MachineTables,
+    PortParameters,
+    SideGapParameters,
+)
+from toothspace.model.description import BreakawayLaw, RunningIn, StartupFriction
 from toothspace.model.floating_bearing import Patch
 
 if TYPE_CHECKING:
     from toothspace.geometry.gear_finder import FoundGear
+
+
+_PORTS_AND_GROOVES = 330.0
+"""Largest sum of both angles along a bore. [deg]"""
+DEVIATION_SUFFIXES = (".csv", ".mka")
+OUTLETS = ("+x", "-x", "+y", "-y", "+z", "-z")
+
+_STEP, _STL, _DXF = (".step", ".stp"), (".stl",), (".dxf",)
+_READ_FROM = {
+    "profile_layer": _DXF,
+    "profile_axis": _STL + _STEP,
+    "profile_plane": _STL + _STEP,
+    "profile_body": _STL + _STEP,
+    "profile_part": _STEP,
+}
+PROFILE_KEYS = ("profile_unit", *_READ_FROM)
+"""Keys that say how one file is read."""
+
+
+def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
+    """Refuse a key that the format of the profile file does not have."""
+    if gear.profile is None:
+        forbid(gear, "without profile", *_READ_FROM)
+        return
+    suffix = gear.profile.suffix.lower() if isinstance(gear.profile, Path) else "points"
+    for name, suffixes in _READ_FROM.items():
+        if suffix not in suffixes:
+            forbid(gear, f"with {suffix} (it is read from {', '.join(suffixes)})", name)
+    if suffix in _STEP and gear.profile_unit not in (None, "mm"):
+        raise CaseError(
+            "profile_unit", repr(gear.profile_unit), "leave this key out: STEP files have their own"
+        )
+
+
+def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: str) -> None:
+    """Refuse keys of solids beside a contour of another kind."""
+    suffix = "" if table.contour is None else table.contour.suffix.lower()
+    if not is_solid(table.contour):
+        forbid(table, f"unless the contour is a solid ({', '.join(SOLID_SUFFIXES)})", *names)
+    elif suffix in _STEP and table.contour_unit != "mm":
+        raise CaseError(
+            "contour_unit",
+            repr(table.contour_unit),
+            "leave this key out: STEP files have their own",
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class GearParameters(MeshingGearParameters):
+    """``[machine.gears]``: rack-generated involute teeth, or a profile from a file."""
+
+    profile_layer: str | None = text("Layer of a DXF file; default all.", default=None)
+    profile_axis: str | None = choice(
+        "Gear axis in a solid file; default found by symmetry.", "x", "y", "z", default=None
+    )
+    profile_plane: float | None = quantity(
+        "mm",
+        "Height of the section through a solid along the axis; default the middle of the teeth.",
+        default=None,
+    )
+    profile_body: int | None = integer(
+        "Body of a solid file, the largest is 0; default the largest with teeth.",
+        low=0,
+        high=1000,
+        default=None,
+    )
+    profile_part: str | None = text("Name of the body in a STEP file.", default=None)
+    profile_flank: str = choice(
+        "Smooth involute that fits the flanks, or the outline as drawn.",
+        "fitted",
+        "drawn",
+        default="fitted",
+    )
+    profile_teeth: str = choice(
+        "All teeth as the one that fits them, or each as in the outline.",
+        "equal",
+        "own",
+        default="equal",
+    )
+    tooth_deviations: Path | None = file_path(
+        "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
+    )
+
+    def __post_init__(self) -> None:
+        if self.profile_teeth == "own":
+            require(self, 'with profile_teeth = "own"', "profile")
+            forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
+        super().__post_init__()
+        forbid_unread(self)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class DrivenGearParameters(KeyTable):
+    """``[machine.driven_gear]``: the keys in which the driven gear differs."""
+
+    tooth_count: int | None = optional(GearParameters, "tooth_count")
+    profile_shift: float | None = optional(GearParameters, "profile_shift")
+    dedendum: float | None = optional(GearParameters, "dedendum")
+    tool_tip_radius: float | None = optional(GearParameters, "tool_tip_radius")
+    tip_diameter: float | None = optional(GearParameters, "tip_diameter")
+    tip_rounding: float | None = optional(GearParameters, "tip_rounding")
+    material: str | None = optional(GearParameters, "material")
+    roughness: float | None = optional(GearParameters, "roughness")
+    profile: Path | Points | None = optional(GearParameters, "profile")
+    profile_unit: str | None = optional(GearParameters, "profile_unit")
+    profile_layer: str | None = optional(GearParameters, "profile_layer")
+    profile_axis: str | None = optional(GearParameters, "profile_axis")
+    profile_plane: float | None = optional(GearParameters, "profile_plane")
+    profile_body: int | None = optional(GearParameters, "profile_body")
+    profile_part: str | None = optional(GearParameters, "profile_part")
+    profile_flank: str | None = optional(GearParameters, "profile_flank")
+    profile_teeth: str | None = optional(GearParameters, "profile_teeth")
+    tooth_deviations: Path | None = optional(GearParameters, "tooth_deviations")
+
+    def __post_init__(self) -> None:
+        if self.profile is not None:
+            forbid_unread(self)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CasingParameters(KeyTable):
+    """``[machine.casing]``: bores round the gears and their port edges."""
+
+    radial_clearance: float = quantity(
+        "um", "Bore radius minus tip radius, before wear.", low=1, high=1000
+    )
+    roughness: float = quantity(
+        "um", "Of the bores: keeps tips that touch it apart.", low=0.01, high=100, default=1e-6
+    )
+    inlet_angle: float | None = quantity(
+        "deg",
+        "From the mesh side of the centre line to the inlet port edge along the bore, or to the "
+        "end of a groove that leads its pressure round the gear; default of a contour.",
+        low=5,
+        high=300,
+        default=None,
+    )
+    outlet_angle: float | None = quantity(
+        "deg",
+        "From the mesh side of the centre line to the outlet port edge along the bore, or to the "
+        "end of a groove that leads its pressure round the gear; default of a contour.",
+        low=5,
+        high=300,
+        default=None,
+    )
+    contour: Path | None = file_path(
+        "Section of the casing as a closed polygon, or the casing as a solid.",
+        *CONTOUR_SUFFIXES,
+        *SOLID_SUFFIXES,
+    )
+    contour_unit: str = choice("Length unit of the contour.", "mm", "m", "um", "in", default="mm")
+    contour_body: int | None = integer(
+        "Casing in a solid file, the largest body is 0.", low=0, high=1000, default=None
+    )
+    contour_part: str | None = text("Name of the casing in a STEP file.", default=None)
+    contour_plane: float | None = quantity(
+        "mm",
+        "Height of the section through a solid along the axis; default the middle of the teeth.",
+        default=None,
+    )
+    wear_in: RunningIn | None = table(
+        RunningIn, "Running-in condition; leave out for an unworn casing.", default=None
+    )
+
+    def __post_init__(self) -> None:
+        if self.contour is None:
+            require(self, "unless a contour file is given", "inlet_angle", "outlet_angle")
+            both = math.degrees((self.inlet_angle or 0.0) + (self.outlet_angle or 0.0))
+            if both > _PORTS_AND_GROOVES:
+                allowed = f"at most {_PORTS_AND_GROOVES:g} deg, so that teeth seal between them"
+                found = f"{both:.6g} deg together with outlet_angle"
+                raise CaseError("inlet_angle", found, allowed)
+        forbid_solid_keys(self, "contour_body", "contour_part", "contour_plane")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BearingBlockParameters(KeyTable):
+    """``[machine.bearing_blocks]``."""
+
+    radial_clearance: float = quantity(
+        "um", "Radial clearance of the blocks in the housing.", low=0, high=500
+    )
+    motion: str = choice(
+        "Rest where the mean load at rest presses them, or follow the load in time.",
+        "seated",
+        "free",
+        default="seated",
+    )
+    port_area: float | None = quantity(
+        "mm^2",
+        "Of free blocks: projected area on which port pressures press them towards the other port; "
+        "default 0.",
+        low=0,
+        high=1e5,
+        default=None,
+    )
+    roughness: float = quantity(
+        "um",
+        "Of free blocks: combined roughness with the housing.",
+        low=0.01,
+        high=10,
+        default=1e-6,
+    )
+    material: str = text("Of free blocks: material from the library.", default="AlSi")
+
+    def __post_init__(self) -> None:
+        if self.motion == "seated":
+            forbid(self, "with seated blocks", "port_area")
+        elif self.radial_clearance == 0.0:
+            raise CaseError("radial_clearance", "0 um", "above 0 um of free blocks")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BlockGrooveParameters(ReliefGrooveParameters):
+    """``[machine.relief_grooves]``: in each face beside the gears, or those of a bearing block."""
+
+    contour: Path | None = file_path(
+        "Closed groove polygons in the machine frame, right of the centre line the closing side; "
+        "or the bearing block as a solid.",
+        *CONTOUR_SUFFIXES,
+        *SOLID_SUFFIXES,
+    )
+    contour_unit: str = choice("Length unit of the contour.", "mm", "m", "um", "in", default="mm")
+    contour_body: int | None = integer(
+        "Bearing block in a solid file, the largest body is 0.", low=0, high=1000, default=None
+    )
+    contour_part: str | None = text("Name of the bearing block in a STEP file.", default=None)
+
+    def __post_init__(self) -> None:
+        forbid_solid_keys(self, "contour_body", "contour_part")
+        super().__post_init__()
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class JournalBearingParameters(LinedBearingParameters):
+    """``[machine.journal_bearings]``: two equal bearings on each gear."""
+
+    friction: str = choice(
+        "Friction from film and asperities, or the published curve over the Sommerfeld number of "
+        "a gear motor's bushes (18 mm by 19 mm, clearance ratio 8.9e-4).",
+        "film",
+        "published_curve",
+        default="film",
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LateralParameters(SideGapParameters):
+    """``[machine.lateral]``: films between gear faces and bushings."""
+
+    each = "side_gap_floating", "side_gap_solid"
+
+    side_gap_floating: float | None = quantity(
+        "um", "Film height at the floating side.", low=0.1, high=500, default=None
+    )
+    side_gap_solid: float | None = quantity(
+        "um", "Film height at the solid side.", low=0.1, high=500, default=None
+    )
+    tilt: float = number(
+        "Change of height at the tip radius over the mean height.", low=0, high=0.99, default=0.0
+    )
+    arrangement: str = choice(
+        "Floating bushings on both sides, on one side, or plates.",
+        "symmetric",
+        "asymmetric",
+        "plates",
+        default="symmetric",
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SealParameters(KeyTable):
+    """``[machine.seals]``."""
+
+    shaft_seal_torque: float | None = quantity(
+        "N m", "Friction of the shaft seal.", low=0, high=100, default=None
+    )
+    table: Path | None = file_path(
+        "Or its friction force at the lip: columns temperature [degC], penetration [mm] and "
+        "friction_force [N] of a full grid.",
+        ".csv",
+    )
+    temperature: float | None = quantity(
+        "degC", "Temperature of the lip, with a table.", low=-60, high=250, default=None
+    )
+    penetration: float | None = quantity(
+        "mm", "Penetration of the lip, with a table.", low=0, high=10, default=None
+    )
+
+    def __post_init__(self) -> None:
+        if self.table is None:
+            require(self, "unless a table is given", "shaft_seal_torque")
+            forbid(self, "without a table", "temperature", "penetration")
+        else:
+            forbid(self, "because a table is given", "shaft_seal_torque")
+            require(self, "with a table", "temperature", "penetration")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class StartupParameters(KeyTable):
+    """``[machine.startup]``: friction at rest."""
+
+    breakaway: str = choice(
+        "Whether the breakaway torque is the whole resistance at rest, is added to the films, or "
+        "follows from the boundary friction of journals, faces, mesh and seal at their loads.",
+        "total",
+        "additive",
+        "interfaces",
+        default="total",
+    )
+    breakaway_torque: float | None = quantity(
+        "N m",
+        "Torque that starts the shaft; left out where it follows from the interfaces.",
+        low=0,
+        high=1000,
+        default=None,
+    )
+    breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
+
+    seal_rest_ratio: float | None = number(
+        "Friction of the shaft seal at rest over that in running; default 1.",
+        low=1,
+        high=20,
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        if self.breakaway == "interfaces":
+            forbid(self, 'with breakaway = "interfaces"', "breakaway_torque")
+        else:
+            require(self, 'unless breakaway = "interfaces"', "breakaway_torque")
+            forbid(self, 'without breakaway = "interfaces"', "seal_rest_ratio")
+
+    @property
+    def friction(self) -> StartupFriction | None:
+        """Friction that holds the shaft at rest, None without a breakaway torque."""
+        if self.breakaway_torque == 0.0:
+            return None
+        return StartupFriction(
+            law=cast(BreakawayLaw, self.breakaway),
+            torque=self.breakaway_torque or 0.0,
+            speed=self.breakaway_speed,
+            seal_ratio=self.seal_rest_ratio or 1.0,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExternalGearTables(MachineTables):
+    """Tables and keys of ``[machine]`` for external gears."""
+
+    part_tables: ClassVar[Mapping[str, str]] = {
+        "running_in": "casing.wear_in",
+        "floating_part": "floating_bearing",
+        "elastic_bodies": "elastic_bodies",
+        "startup": "startup",
+    }
+    """Tables of parts that not every preset uses."""
+
+    outlet_toward: str | None = choice(
+        "Direction in the file of the gears from their centre line towards the outlet, where "
+        "casing or bearing block come from that file or from others that share its frame.",
+        *OUTLETS,
+        default=None,
+    )
+    gears: GearParameters = table(GearParameters, "Both gears.")
+    driven_gear: DrivenGearParameters | None = table(
+        DrivenGearParameters, "Where the driven gear differs.", default=None
+    )
+    casing: CasingParameters = table(CasingParameters, "Bores and port edges.")
+    bearing_blocks: BearingBlockParameters | None = table(
+        BearingBlockParameters, "Seat of the bearing blocks in the housing.", default=None
+    )
+    journal_bearings: JournalBearingParameters = table(
+        JournalBearingParameters, "Journal bearings of both gears."
+    )
+    relief_grooves: BlockGrooveParameters | None = table(
+        BlockGrooveParameters, "Relief grooves; leave out for none.", default=None
+    )
+    lateral: LateralParameters = table(LateralParameters, "Lateral films.")
+    floating_bearing: FloatingBearingParameters | None = table(
+        FloatingBearingParameters, "Balance of the floating bearing.", default=None
+    )
+    elastic_bodies: ElasticBodiesParameters | None = table(
+        ElasticBodiesParameters, "STEP files of bearings and gears.", default=None
+    )
+    seals: SealParameters | None = table(SealParameters, "Shaft seal.", default=None)
+    startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
+    inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
+    outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    @property
+    def covers_rest(self) -> bool:
+        """Whether nothing beside the gears floats."""
+        return self.floating_bearing is None
+
+    @property
+    def missing_floating_part(self) -> str:
+        """Message about what the balance of the floating bearing would need; empty if given."""
+        bearing = self.floating_bearing
+        if bearing is not None and bearing.high_pressure_area is not None:
+            return ""
+        return (
+            "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
+            "with the area that balances it"
+        )
 
 
 @final

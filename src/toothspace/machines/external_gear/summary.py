@@ -1,22 +1,48 @@
-"""Numbers of the geometry report."""
+"""Numbers and verdicts of the geometry report."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.design_check import DesignCheck, warnings_of
-from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
-from toothspace.gearing.spaces import Spaces
-from toothspace.geometry.gear_pair import normal_play
-from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.profile_quality import (
-    profile_quality,
-    tooth_data,
-    trapped_volumes,
-    undercut_of,
+from toothspace.advice.gear_rules import bearing_checks, contact_ratio_check, pair_checks
+from toothspace.advice.strength import strength_checks
+from toothspace.advice.trapping import (
+    TYPICAL,
+    DesignCondition,
+    EnclosedMesh,
+    opening_checks,
+    sealing_edge,
+    trapping_checks,
 )
+from toothspace.core.errors import GeometryError
+from toothspace.core.finding import DesignCheck, warnings_of
+from toothspace.core.types import Array
+from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.meshing import (
+    contact_range,
+    contact_ratio,
+    displacement,
+    flow_ripple,
+    path_of_contact,
+)
+from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.geometry.gear_data import gear_data
+from toothspace.geometry.gear_pair import normal_play
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute import InvoluteGear
+from toothspace.machines.external_gear.assembly import Assembly, assemble
+from toothspace.machines.external_gear.flow_paths import grooves_by_port, port_opening_lengths
+from toothspace.machines.external_gear.spec import Gear
+from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
+
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FoundGear
+    from toothspace.geometry.profile_detection import DetectedGear
 
 
 def geometry_summary(
@@ -24,15 +50,12 @@ def geometry_summary(
 ) -> dict[str, object]:
     """Numbers of the geometry report.
 
+    Values by name; names carry their unit.
+
     Parameters
     ----------
     checks : sequence of DesignCheck
         Design-rule report, whose failures are named.
-
-    Returns
-    -------
-    dict
-        Values by name; names carry their unit.
     """
     pair, distance = assembly.pair, assembly.mesh.center_distance
     if pair is None:
@@ -60,3 +83,295 @@ def geometry_summary(
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
+
+
+_LARGEST_CHORD = 2e-6
+_LARGEST_FORM_ERROR = 4e-3
+"""Of the module: about the total profile tolerance of ISO 1328-1 class 8 for small gears. [-]"""
+_UNEQUAL_PITCH = 1e-3
+
+
+def tooth_data(assembly: Assembly) -> dict[str, object]:
+    """Tooth count, module and what else a drawing names; of both gears where they differ."""
+    spec = assembly.spec
+    found = _gear_numbers(spec.drive, assembly.profiles[0])
+    if spec.driven is not spec.drive:
+        driven = _gear_numbers(spec.driven, assembly.profiles[1])
+        found |= {f"driven_{name}": value for name, value in driven.items()}
+    return found
+
+
+def _gear_numbers(gear: Gear, profile: GearProfile) -> dict[str, object]:
+    numbers: dict[str, object] = {"tooth_count": profile.tooth_count}
+    data = gear.tooth if isinstance(gear.tooth, InvoluteGear) else gear_data(profile)
+    if data is not None:
+        numbers |= {
+            "module_mm": 1e3 * data.module,
+            "pressure_angle_deg": float(np.rad2deg(data.pressure_angle)),
+            "profile_shift": data.profile_shift,
+        }
+    return numbers | {
+        "tip_diameter_mm": 2e3 * profile.tip_radius,
+        "root_diameter_mm": 2e3 * profile.root_radius,
+    }
+
+
+def undercut_of(gear: Gear) -> bool:
+    """Whether the root of a gear from file cuts away involute."""
+    fit = None if gear.found is None else gear.found.detected.involute
+    return fit is not None and fit.flank.undercut
+
+
+def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
+    """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
+
+    Trapped volume and dead volume, which the mesh carries back. [m3]
+    """
+    drive, driven = spaces
+    mesh, width = assembly.mesh, assembly.face_width
+    pitch = 2.0 * mesh.half_pitch
+    start, end = contact_range(assembly)
+    # throat angle of the contact that lies behind
+    behind = np.linspace(start, max(end - pitch, start), 61)
+    left = assembly.loaded_is_left
+    lag = mesh.turn + 0.5 * assembly.teeth[1].pitch_angle
+    place_1 = behind if left else behind + pitch
+    place_2 = mesh.ratio * (behind + pitch) - lag
+    area = np.interp(place_1, drive.angles, section_areas(drive))
+    area += np.interp(place_2, driven.angles, section_areas(driven))
+    return float(area[0] * width), float(area.min() * width)
+
+
+def profile_quality(assembly: Assembly) -> dict[str, object]:
+    """Form error of profiles from files and its effect; nothing for generated gears.
+
+    Form error, chord height and residual of the worse gear; contact ratio with rigid flanks as
+    drawn, which form error shortens, and the change of the trapped volume that belongs to it.
+    """
+    gears = _from_files(assembly)
+    if not gears:
+        return {}
+    detected = [gear.detected for gear in gears]
+    fits = [found.involute for found in detected if found.involute is not None]
+    numbers: dict[str, object] = {
+        "chord_height_um": 1e6 * max(found.chord_height for found in detected),
+        "helix_angle_deg": float(np.rad2deg(max(abs(gear.helix_angle) for gear in gears))),
+    }
+    if len(fits) == len(gears):
+        numbers |= {
+            "involute_deviation_um": 1e6 * max(fit.form_error for fit in fits),
+            "profile_form_error_um": 1e6 * max(max(f.left.form, f.right.form) for f in fits),
+            "profile_slope_error_um": 1e6
+            * max(max(abs(f.left.slope), abs(f.right.slope)) for f in fits),
+            "fit_residual_um": 1e6 * max(fit.flank.residual for fit in fits),
+        }
+    return numbers | _as_drawn(assembly)
+
+
+def _as_drawn(assembly: Assembly) -> dict[str, object]:
+    # the same machine with rigid flanks as in the outline: the other end of the interval
+    spec = assembly.spec
+    drawn = replace(spec, drive=_drawn(spec.drive), driven=_drawn(spec.driven))
+    if spec.driven is spec.drive:
+        drawn = replace(drawn, driven=drawn.drive)
+    try:
+        rigid = assemble(replace(drawn, center_distance=assembly.mesh.center_distance))
+    except GeometryError:
+        return {}
+    start, end = path_of_contact(rigid)
+    found = trapped_volumes(rigid, rigid.spaces(360))[0]
+    return {
+        "contact_ratio_as_drawn": (end - start) / (2.0 * rigid.mesh.half_pitch),
+        "trapped_volume_as_drawn_mm3": 1e9 * found,
+    }
+
+
+def _drawn(gear: Gear) -> Gear:
+    if gear.found is None:
+        return gear
+    return replace(gear, tooth=gear.found.detected.drawn)
+
+
+def _from_files(assembly: Assembly) -> list[FoundGear]:
+    spec = assembly.spec
+    gears = [spec.drive] if spec.driven is spec.drive else [spec.drive, spec.driven]
+    return [gear.found for gear in gears if gear.found is not None]
+
+
+def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    """Whether profiles from files are good enough for what follows from them."""
+    checks: list[DesignCheck] = []
+    for gear in _from_files(assembly):
+        angle = abs(gear.helix_angle)
+        checks += [
+            _chords(gear.detected),
+            _form(gear.detected),
+            DesignCheck(
+                "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg",
+                angle == 0.0,
+                "Teeth are taken as spur with this transverse section: overlap, thrust and the "
+                "spread of trapping along the face width are missing.",
+            ),
+        ]  # fmt: skip
+    flanks = [(p.involute, p.tooth_count) for p in assembly.profiles]
+    pitches = [2.0 * np.pi * flank.base_radius / n for flank, n in flanks if flank is not None]
+    if len(pitches) == 2:
+        ratio = abs(pitches[1] / pitches[0] - 1.0)
+        checks.append(
+            DesignCheck(
+                "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
+                ratio <= _UNEQUAL_PITCH,
+                "Gears of unequal base pitch hand the load over with a shock.",
+            )
+        )  # fmt: skip
+    return tuple(checks)
+
+
+def as_drawn(assembly: Assembly) -> dict[str, str]:
+    """Key for the flanks of the file, where chords or form error are larger than allowed."""
+    fitted = [gear for gear in _from_files(assembly) if gear.detected.involute is not None]
+    checks = [check for gear in fitted for check in (_chords(gear.detected), _form(gear.detected))]
+    if all(check.passed for check in checks) or not any(p.involute for p in assembly.profiles):
+        return {}
+    return {"machine.gears.profile_flank": "drawn"}
+
+
+def _chords(detected: DetectedGear) -> DesignCheck:
+    height = detected.chord_height
+    return DesignCheck(
+        "chord height of the profile", height * 1e6, "um",
+        f"up to {_LARGEST_CHORD * 1e6:g} um: export STEP, or a mesh with a chord tolerance of 1 um",
+        height <= _LARGEST_CHORD,
+        "Flanks are fitted through the corners of a mesh; root, tip and volumes keep its chords.",
+    )  # fmt: skip
+
+
+def _form(detected: DetectedGear) -> DesignCheck:
+    fit, data = detected.involute, gear_data(detected.profile)
+    if fit is None or data is None:
+        return DesignCheck(
+            "involute in the profile", 0.0, "1", "1: flanks that are involutes within 1 % of the "
+            "tooth height", False,
+            "Without one, contact ratio and trapped volume hang on a contact tolerance of 1 um.",
+        )  # fmt: skip
+    allowed = _LARGEST_FORM_ERROR * data.module
+    return DesignCheck(
+        "form error of the profile", fit.form_error * 1e6, "um", f"up to {allowed * 1e6:.3g} um",
+        fit.form_error <= allowed,
+        "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
+        "computes with the flanks of the file, with mesh = \"elastic\" under load.",
+    )  # fmt: skip
+
+
+DEEPEST_CUT = 0.127e-3
+"""Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
+
+
+def design_checks(
+    assembly: Assembly,
+    spaces: tuple[Spaces, Spaces],
+    families: Sequence[ChamberFamily],
+    paths: Sequence[FlowPath],
+    journals: Sequence[LumpedJournalBearing],
+) -> tuple[DesignCheck, ...]:
+    """Design-rule report: geometry, trapping, strength, cross-port leakage and bearings.
+
+    Parameters
+    ----------
+    spaces, families, paths : sequences
+        Tooth spaces of both gears, as chambers, and all flow paths, of equal teeth.
+    journals : sequence of LumpedJournalBearing
+        Bearings of both gears.
+    """
+    mesh = enclosed_mesh(assembly, spaces)
+    short, *opened = opening_checks(families, paths, displacement(assembly), 0.0, mesh.condition)
+    if not short.passed:
+        short = replace(short, reason=short.reason + sealing_edge(mesh))
+    return (
+        *_tooth_checks(assembly),
+        casing_cut_check(assembly),
+        *_running_in_checks(assembly, mesh),
+        short,
+        *opened,
+        *bearing_checks(journals, min(assembly.root_clearances)),
+    )
+
+
+def enclosed_mesh(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> EnclosedMesh:
+    """What the mesh encloses, at the pressure and speed of running-in or else typical ones."""
+    spec, wear = assembly.spec, assembly.spec.keys.casing.wear_in
+    return EnclosedMesh(
+        gears=assembly,
+        spaces=spaces,
+        port_openings=(
+            port_opening_lengths(assembly, spaces[0]),
+            port_opening_lengths(assembly, spaces[1]),
+        ),
+        groove_openings=partial(_groove_openings, assembly),
+        grooves=spec.grooves,
+        tip_rounding=min(spec.drive.tip_rounding, spec.driven.tip_rounding),
+        is_pump=spec.keys.mode == "pump",
+        condition=TYPICAL if wear is None else DesignCondition(wear.pressure, wear.shaft_speed),
+        groove_spacing=None if assembly.pair is None else assembly.pair.relief_groove_spacing,
+    )
+
+
+def _groove_openings(
+    assembly: Assembly, grooves: ReliefGrooves, spaces: Spaces
+) -> Mapping[str, Array]:
+    moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
+    return grooves_by_port(moved, spaces)
+
+
+def _running_in_checks(assembly: Assembly, mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
+    """Trapping and strength, where the machine has a condition to judge them at."""
+    spec = assembly.spec
+    if spec.keys.casing.wear_in is None:
+        return ()
+    bearing = spec.keys.journal_bearings
+    return (
+        *trapping_checks(mesh),
+        *strength_checks(
+            assembly,
+            assembly.profiles,
+            (spec.drive.material, spec.driven.material),
+            (bearing.diameter, bearing.length),
+            mesh.condition,
+        ),
+    )
+
+
+def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    """Geometry of the teeth, given by parameters or in files."""
+    if assembly.pair is not None:
+        vented = assembly.spec.grooves is not None
+        return pair_checks(assembly.pair, assembly.face_width, vented=vented)
+    clearance = min(assembly.root_clearances)
+    return (
+        contact_ratio_check(contact_ratio(assembly)),
+        DesignCheck(
+            "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
+            "Bearing play moves the gears together, so the mating tip needs room in the root.",
+        ),
+        *profile_checks(assembly),
+    )  # fmt: skip
+
+
+def casing_cut_check(assembly: Assembly) -> DesignCheck:
+    """Check of how deep the gears can cut into the casing as far as bearings and blocks let them.
+
+    References
+    ----------
+    .. [1] Parker Hannifin, Gear Pump Division, service manual of series PGP030 and PGP031,
+       guidelines for acceptable wear: replace housings with a cut-out above 0.005 inch.
+    """
+    keys = assembly.spec.keys
+    blocks = 0.0 if keys.bearing_blocks is None else keys.bearing_blocks.radial_clearance
+    reach = keys.journal_bearings.radial_clearance + blocks
+    cut = max(reach - keys.casing.radial_clearance, 0.0)
+    return DesignCheck(
+        "cut into the casing", cut * 1e6, "um", f"up to {DEEPEST_CUT * 1e6:g} um",
+        cut <= DEEPEST_CUT,
+        "Pressure moves the gears through the clearance of bearings and blocks; a deep track "
+        "weakens the casing, fills the oil with chips and opens the gap on the other side.",
+    )  # fmt: skip

@@ -17,16 +17,15 @@ from toothspace.machines.gerotor.bodies import (
     motion_columns,
     motions,
     outlines,
+    shared_faces,
 )
-from toothspace.machines.gerotor.faces import shared_faces
 from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
 from toothspace.machines.gerotor.lobe_pairs import rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
-from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
+from toothspace.machines.gerotor.ports import PocketOutlines, ports_of, timing_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
-from toothspace.machines.gerotor.timing import timing_of
 from toothspace.machines.shared_bearings import require_rim, require_shaft_below
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription

@@ -14,7 +14,7 @@ from toothspace.gearing.space_paths import ChamberPaths
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
-from toothspace.machines.gerotor.timing import Timing
+from toothspace.machines.gerotor.ports import Timing
 from toothspace.model.description import FlowPath
 from toothspace.model.machine_parts import PathKind
 from toothspace.model.path_category import (
@@ -40,15 +40,12 @@ def flow_paths(
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
+    Ports, tips, faces of lobes, land to the shaft, rim to the film round the outer rotor.
+
     Parameters
     ----------
     motions : tuple of int
         Which of the motions (inner x, y; outer x, y, rotation) are in the description.
-
-    Returns
-    -------
-    tuple of FlowPath
-        Ports, tips, faces of lobes, land to the shaft, rim to the film round the outer rotor.
     """
     housing, count = parameters.housing, pocket.rotors.outer_tooth_count
     ring, gap = _ring(pocket), side_gap(parameters)
@@ -132,10 +129,7 @@ def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int,
 def slip_speed(pocket: Pockets) -> Array:
     r"""Mean speed of both walls ahead, relative to the throat, per shaft speed.
 
-    Returns
-    -------
-    ndarray
-        Over the place of the lobe. [m/rad]
+    Over the place of the lobe. [m/rad]
 
     Notes
     -----
@@ -159,10 +153,7 @@ def _turned_left(vectors: Array) -> Array:
 def gap_by_motion(pocket: Pockets) -> Array:
     """Derivative of the tip gap by x, y of the inner and x, y, rotation of the outer rotor.
 
-    Returns
-    -------
-    ndarray, shape (n, 5)
-        Over the place of the lobe. [-], [m/rad]
+    Over the place of the lobe, shape (n, 5). [-], [m/rad]
     """
     normal, (x, y) = pocket.path.normal, pocket.path.point.T
     lever = x * normal[:, 1] - y * normal[:, 0]

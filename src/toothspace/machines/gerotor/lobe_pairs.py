@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+import scipy
 
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
@@ -35,6 +35,8 @@ def rotor_contacts(
 ) -> tuple[ContactPair, ...]:
     """Contacts of the lobes of a machine, or the one pair of single-contact theory.
 
+    One per kind of contact: ``lobe_0`` lives longest.
+
     Parameters
     ----------
     parameters : GerotorParameters
@@ -43,11 +45,6 @@ def rotor_contacts(
         Rotors at nominal position.
     clearance : float
         Normal gap of conjugate lobes there. [m]
-
-    Returns
-    -------
-    tuple of ContactPair
-        One per kind of contact: ``lobe_0`` lives longest.
 
     Notes
     -----
@@ -133,15 +130,12 @@ def _from_nominal(
 def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:
     """Mean number of places where the rotors run along each other.
 
+    Contacts with at most this nominal gap and 2 micrometres, over all angles. [-]
+
     Parameters
     ----------
     clearance : float
         Normal gap of conjugate lobes. [m]
-
-    Returns
-    -------
-    float
-        Contacts with at most this nominal gap and 2 micrometres, over all angles. [-]
     """
     limit = clearance + _ALONG
     return float(sum(pair.count * np.mean(pair.geometry.values[:, 0] <= limit) for pair in pairs))
@@ -175,6 +169,8 @@ def _by_motion(
 def single_contact(contact: LobeContact, sign: float, eccentricity: float) -> LobeContact:
     """Contact of single-contact theory: one pair carries, over one pitch, where its arm is best.
 
+    The same with wide gaps outside one pitch; at the ends of it load passes on.
+
     Parameters
     ----------
     contact : LobeContact
@@ -183,15 +179,10 @@ def single_contact(contact: LobeContact, sign: float, eccentricity: float) -> Lo
         1 where the inner rotor drives the outer one (pump), -1 where it is driven (motor).
     eccentricity : float
         Distance of the axes. [m]
-
-    Returns
-    -------
-    LobeContact
-        The same with wide gaps outside one pitch; at the ends of it load passes on.
     """
     nodes = contact.gap.size // contact.copies
     arm = np.where(contact.near, sign * contact.lever, -np.inf)
-    middle = int(np.argmax(minimum_filter1d(arm, nodes + 1, mode="wrap")))
+    middle = int(np.argmax(scipy.ndimage.minimum_filter1d(arm, nodes + 1, mode="wrap")))
     number = np.arange(contact.gap.size) - middle
     half = contact.gap.size // 2
     distance = np.mod(number + half, contact.gap.size) - half

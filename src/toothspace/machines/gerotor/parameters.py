@@ -18,7 +18,7 @@ from toothspace.core.keys import (
     table,
 )
 from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES
-from toothspace.machines.gerotor.rotor_parameters import RotorParameters
+from toothspace.machines.gerotor.rotor_files import RotorParameters
 from toothspace.machines.shared_tables import (
     MachineTables,
     PortParameters,

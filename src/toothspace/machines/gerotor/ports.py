@@ -1,4 +1,4 @@
-"""Kidney ports, and how far the pockets open to them."""
+"""Kidney ports, and what their timing does to a pocket: openings, sealed spans, joined ports."""
 
 from __future__ import annotations
 
@@ -45,11 +45,8 @@ def throat_place(pocket: Pockets) -> Array:
 def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
     """Half angles of the lands that cut a pocket from one port when it opens to the other.
 
-    Returns
-    -------
-    tuple of float
-        At the largest and at the smallest pocket: places of the throats of the pocket that
-        stands there. [rad]
+    At the largest and at the smallest pocket: places of the throats of the pocket that stands
+    there. [rad]
     """
     throat, half = throat_place(pocket), pocket.half_pitch_nodes
     opposite = pocket.place.size // 2
@@ -59,6 +56,11 @@ def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
 def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: float) -> Ports:
     """Kidneys of a case.
 
+    Both kidneys, and the radial slots.
+
+    Raises GeometryError if the radii enclose nothing or a contour file has not exactly one polygon
+    per side.
+
     Parameters
     ----------
     parameters : PortContourParameters
@@ -66,16 +68,6 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
         floor of the outer rotor's cavities.
     rim_radius : float
         Radius of the outer rotor. [m]
-
-    Returns
-    -------
-    Ports
-        Both kidneys, and the radial slots.
-
-    Raises
-    ------
-    GeometryError
-        If the radii enclose nothing or a contour file has not exactly one polygon per side.
     """
     lands = kinematic_lands(pocket)
     if parameters.land_max_half_angle is not None and parameters.land_min_half_angle is not None:
@@ -97,39 +89,32 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
     slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:
-        return replace(_from_file(parameters, lands), slot=slot)
+        path = parameters.contour
+        polygons = [] if path is None else load_polygons(path, 1e-3)
+        sides = {
+            name: [p for p in polygons if sign * shapely.Polygon(p).centroid.x > 0.0]
+            for name, sign in (("inlet", 1.0), ("outlet", -1.0))
+        }
+        if any(len(found) != 1 for found in sides.values()):
+            counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
+            raise GeometryError(path, counts, "one closed curve on each side of x")
+        return replace(Ports(*lands, {name: found[0] for name, found in sides.items()}), slot=slot)
     angle = np.linspace(lands[1], np.pi - lands[0], _POLYGON_POINTS) - 0.5 * np.pi
     kidney = np.vstack([polar(outer, angle), polar(inner, angle[::-1])])
     mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
     return Ports(*lands, {"inlet": kidney, "outlet": mirrored}, slot)
 
 
-def _from_file(parameters: PortContourParameters, lands: tuple[float, float]) -> Ports:
-    path = parameters.contour
-    polygons = [] if path is None else load_polygons(path, 1e-3)
-    sides = {
-        name: [p for p in polygons if sign * shapely.Polygon(p).centroid.x > 0.0]
-        for name, sign in (("inlet", 1.0), ("outlet", -1.0))
-    }
-    if any(len(found) != 1 for found in sides.values()):
-        counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
-        raise GeometryError(path, counts, "one closed curve on each side of x")
-    return Ports(*lands, {name: found[0] for name, found in sides.items()})
-
-
 def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     """Opening of a pocket to a port.
+
+    Area [m2] and hydraulic diameter [m] over the place of the pocket, of kidney and radial slot
+    together, shape (n, 2).
 
     Parameters
     ----------
     port : str
         ``inlet`` or ``outlet``.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Area [m2] and hydraulic diameter [m] over the place of the pocket, of kidney and radial
-        slot together.
     """
     kidney = shapely.Polygon(ports.contours[port])
     shapely.prepare(kidney)
@@ -154,18 +139,15 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
 def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     """Opening of a cavity's slot to the window of a port in the bore.
 
+    Area [m2] and wetted length [m] over the place of the pocket; the slot stands in its middle,
+    shape (n, 2).
+
     Parameters
     ----------
     ports : Ports
         Kidneys, whose lands the windows share, and slot.
     port : str
         ``inlet`` or ``outlet``.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Area [m2] and wetted length [m] over the place of the pocket; the slot stands in its
-        middle.
     """
     half, width, length = ports.slot
     place = pocket.place if port == "inlet" else FULL_TURN - pocket.place
@@ -197,15 +179,12 @@ class PocketOutlines:
 def pocket_polygon(pocket: Pockets, node: float) -> Array:
     """Outline of a pocket at one node of its place, from throat to throat.
 
+    Closed polygon in the machine frame, shape (n, 2). [m]
+
     Parameters
     ----------
     node : float
         Number of the node; throats between two nodes are interpolated. [-]
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Closed polygon in the machine frame. [m]
     """
     rotors, size = pocket.rotors, pocket.place.size
     turn, ends = FULL_TURN * node / size, []
@@ -233,3 +212,57 @@ def _between(points: Array, center: Array, first: Array, last: Array) -> Array:
     end = np.mod(np.arctan2(*(last - center)[::-1]) - start, FULL_TURN)
     inside = np.flatnonzero((place > 0.0) & (place < end))
     return np.asarray(points[inside[np.argsort(place[inside])]], dtype=float)
+
+
+_CLOSED_AREA = 0.02e-6
+
+
+@final
+@dataclass(frozen=True)
+class Timing:
+    """Openings of a pocket over its place."""
+
+    inlet: Array
+    outlet: Array
+    """Area [m2] and hydraulic diameter [m] of the opening to each port. Shape (n, 2)."""
+
+    @property
+    def joined_area(self) -> float:
+        """Largest area through which one pocket joins both ports. [m2]."""
+        return float(np.minimum(self.inlet[:, 0], self.outlet[:, 0]).max())
+
+    def sealed_spans(self) -> list[slice]:
+        """Runs of table nodes at which a pocket is open to neither port.
+
+        Runs in nodes counted from half a turn before the smallest pocket, so that none is cut in
+        two.
+        """
+        half = self.inlet.shape[0] // 2
+        closed = (self.inlet[:, 0] < _CLOSED_AREA) & (self.outlet[:, 0] < _CLOSED_AREA)
+        # the largest pocket may be sealed as well: begin where a port is wide open
+        start = int(np.argmax(self.inlet[:, 0])) - half
+        turned = np.roll(closed, -start)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], turned, [False]]).astype(int)))
+        return [
+            slice(int(a) + start, int(b) + start)
+            for a, b in zip(edges[::2], edges[1::2], strict=True)
+        ]
+
+    def sealed_angle(self, pocket: Pockets) -> float:
+        """Longest shaft angle during which a pocket is open to neither port. [rad]."""
+        longest = max((s.stop - s.start - 1 for s in self.sealed_spans()), default=0)
+        return longest * FULL_TURN / pocket.place.size / pocket.angle_ratio
+
+    def trapped_area(self, pocket: Pockets) -> float:
+        """Largest change of a pocket's area while it is open to neither port. [m2]."""
+        nodes = np.arange(pocket.place.size)
+        changes = [
+            np.ptp(pocket.area[np.take(nodes, np.arange(s.start, s.stop), mode="wrap")])
+            for s in self.sealed_spans()
+        ]
+        return float(max(changes, default=0.0))
+
+
+def timing_of(ports: Ports, pocket: Pockets) -> Timing:
+    """Openings of a pocket to both ports."""
+    return Timing(*(openings(ports, pocket, name) for name in ("inlet", "outlet")))

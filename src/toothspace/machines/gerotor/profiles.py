@@ -10,20 +10,281 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NoReturn, final
+from typing import Any, NoReturn, final
 
 import numpy as np
+import scipy
 import shapely
 
 from toothspace.core.errors import CaseError, GeometryError
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray
 from toothspace.core.units import to_si
 from toothspace.geometry.curve import counter_clockwise, without_repeats
-from toothspace.machines.gerotor.contour import Contour, contour
-from toothspace.machines.gerotor.cycloid import cycloid
-from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
-from toothspace.machines.gerotor.rotor_parameters import RotorParameters
-from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
+from toothspace.machines.gerotor.rotor_files import (
+    DrawnRotor,
+    RotorParameters,
+    drawn_eccentricity,
+    rotor_pair,
+)
+
+_CONTOUR_SAMPLES = 12_000
+_NEWTON_STEPS = 5
+_CURVATURE_REACH = 60e-6
+
+
+@final
+@dataclass(frozen=True)
+class Contour:
+    """Closed outline, counter-clockwise, with the search for its nearest point."""
+
+    length: float
+    """Length of the whole outline. [m]"""
+    spline: Any
+    """Points over the arc length. A ``CubicSpline``. [m]"""
+    tree: Any
+    """Search tree of points at equal steps of arc length. A ``cKDTree``."""
+
+    def point(self, place: Array) -> Array:
+        """Points at arc lengths, shape ``place.shape + (2,)``. [m]."""
+        return np.asarray(self.spline(np.mod(place, self.length)), dtype=float)
+
+    def tangent(self, place: Array) -> Array:
+        """Unit tangents at arc lengths, counter-clockwise. [-]."""
+        slope = np.asarray(self.spline(np.mod(place, self.length), 1), dtype=float)
+        return np.asarray(slope / np.hypot(slope[..., 0], slope[..., 1])[..., None], dtype=float)
+
+    def curvature(self, place: Array) -> Array:
+        """Curvature of the circle through three points 60 um apart; convex positive. [1/m]."""
+        before, at, after = (
+            self.point(place + step) for step in (-_CURVATURE_REACH, 0.0, _CURVATURE_REACH)
+        )
+        a, b, c = at - before, after - at, after - before
+        area = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+        size = (np.hypot(v[..., 0], v[..., 1]) for v in (a, b, c))
+        return np.asarray(2.0 * area / np.prod(list(size), axis=0), dtype=float)
+
+    def within(self, points: Array, reach: float) -> BoolArray:
+        """Which points lie within a distance of the outline."""
+        distance, _ = self.tree.query(points, distance_upper_bound=reach)
+        return np.asarray(np.isfinite(distance))
+
+    def nearest(self, points: Array) -> Array:
+        """Arc lengths of the nearest points of the outline. [m]."""
+        _, index = self.tree.query(points)
+        step = self.length / _CONTOUR_SAMPLES
+        start = index * step
+        place = start
+        for _ in range(_NEWTON_STEPS):
+            wrapped = np.mod(place, self.length)
+            offset = self.spline(wrapped) - points
+            first, second = self.spline(wrapped, 1), self.spline(wrapped, 2)
+            slope = np.sum(first * first + offset * second, axis=-1)
+            slope = np.where(slope > 0.1, slope, 1.0)
+            place = place - np.sum(offset * first, axis=-1) / slope
+            place = np.clip(place, start - 2.0 * step, start + 2.0 * step)
+        return np.asarray(place, dtype=float)
+
+
+def contour(points: Array) -> Contour:
+    """Curve through the points of a closed outline.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Points in counter-clockwise order; the last one may repeat the first. [m]
+    """
+    closed = np.vstack([points, points[:1]])
+    steps = np.hypot(*np.diff(closed, axis=0).T)
+    closed = np.vstack([points[:1], closed[1:][steps > 1e-9]])
+    closed[-1] = closed[0]
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    spline = scipy.interpolate.CubicSpline(along, closed, bc_type="periodic")
+    length = float(along[-1])
+    places = np.arange(_CONTOUR_SAMPLES) * (length / _CONTOUR_SAMPLES)
+    return Contour(length, spline, scipy.spatial.cKDTree(spline(places)))
+
+
+_SAMPLES = 2000
+_LEAST_LOBE = 1.05
+
+
+@final
+@dataclass(frozen=True)
+class Trochoid:
+    """Generating data of a trochoidal set."""
+
+    tooth_count: int
+    """Teeth of the inner rotor."""
+    eccentricity: float
+    """Distance of the centres. [m]"""
+    generating_radius: float
+    """Radius of the lobe centres. [m]"""
+    lobe_radius: float
+    """Radius of the outer rotor's lobes, without clearance. [m]"""
+
+    @property
+    def lobe_count(self) -> int:
+        """Lobes of the outer rotor."""
+        return self.tooth_count + 1
+
+    @property
+    def no_undercut_limit(self) -> float:
+        """Largest lobe radius that the inner profile bears without undercut. [m]."""
+        curvature = self.path_curvature(np.linspace(0.0, 2.0 * np.pi / self.tooth_count, _SAMPLES))
+        return float(1.0 / curvature.max())
+
+    @property
+    def closure_limit(self) -> float:
+        """Lobe radius at which neighbouring lobes touch. [m]."""
+        return float(self.generating_radius * np.sin(np.pi / self.lobe_count))
+
+    @property
+    def floor_limit(self) -> float:
+        """Lobe radius at which the cavity floor cuts into the part of a lobe that touches. [m]."""
+        radius, e = self.generating_radius, self.eccentricity
+        slope = np.sqrt(1.0 - (self.lobe_count * e / radius) ** 2)
+        return float(2.0 * e * (e + radius) / (radius + 2.0 * e - radius * slope))
+
+    @property
+    def cavity_radius(self) -> float:
+        """Radius of the outer rotor's cavity floor, which the inner tips touch. [m]."""
+        return self.generating_radius - self.lobe_radius + 2.0 * self.eccentricity
+
+    def check(self) -> None:
+        """Refuse designs that cannot be built.
+
+        Raises
+        ------
+        GeometryError
+            For a generating radius inside the pitch circle, undercut, lobes that overlap, or lobes
+            that end before the floor of the cavities.
+        """
+        e, pitch = self.eccentricity, self.lobe_count * self.eccentricity
+        if self.generating_radius <= pitch:
+            raise _found("generating_radius", self.generating_radius, "above", pitch)
+        limit = min(self.no_undercut_limit, self.closure_limit, self.floor_limit)
+        if self.lobe_radius >= limit:
+            raise _found("lobe_radius", self.lobe_radius, "below", limit)
+        # a smaller lobe does not reach the cavity floor, which the inner tips need
+        if self.lobe_radius <= _LEAST_LOBE * e:
+            raise _found("lobe_radius", self.lobe_radius, "above", _LEAST_LOBE * e)
+
+    def center_path(self, sigma: Array) -> tuple[Array, Array, Array]:
+        """Lobe centre in the inner rotor's frame and two derivatives, complex. [m]."""
+        count, lobes = self.tooth_count, self.lobe_count
+        start = -0.5 * np.pi + np.pi / lobes
+        # at sigma zero the lobe stands half a pitch from the cavity on the negative y axis
+        first = self.generating_radius * np.exp(1j * (start - sigma))
+        second = 1j * self.eccentricity * np.exp(-1j * (count + 1) * sigma)
+        return (first + second, -1j * first - 1j * lobes * second, -first - lobes**2 * second)
+
+    def path_curvature(self, sigma: Array) -> Array:
+        """Curvature of the trochoid, positive where convex. [1/m]."""
+        _, rate, bend = self.center_path(sigma)
+        return np.asarray(-np.imag(np.conj(rate) * bend) / np.abs(rate) ** 3, dtype=float)
+
+
+def _found(key: str, value: float, relation: str, bound: float) -> GeometryError:
+    return GeometryError(
+        f"machine.rotors.{key}", f"{value * 1e3:.5g} mm", f"{relation} {bound * 1e3:.5g} mm"
+    )
+
+
+def inner_outline(design: Trochoid, points_per_tooth: int, offset: float) -> Array:
+    """Outline of the inner rotor.
+
+    Closed counter-clockwise curve about the inner rotor's centre, shape (n, 2). [m]
+
+    Parameters
+    ----------
+    points_per_tooth : int
+        Points on one tooth.
+    offset : float
+        What the profile is set back along its normal. [m]
+    """
+    # chords of one sagitta: steps with the inverse square root of the curvature
+    pitch = 2.0 * np.pi / design.tooth_count
+    fine = pitch * np.arange(_SAMPLES + 1) / _SAMPLES
+    _, rate, _ = design.center_path(-fine)
+    path = design.path_curvature(-fine)
+    moved = 1.0 - (design.lobe_radius + offset) * path
+    length = np.abs(rate) * np.abs(moved)
+    bend = np.sqrt(length * np.abs(path * rate)) + 0.2 * length / design.lobe_radius
+    summed = np.concatenate([[0.0], np.cumsum(0.5 * (bend[1:] + bend[:-1]))])
+    levels = summed[-1] * np.arange(points_per_tooth) / points_per_tooth
+    one = np.interp(levels, summed, fine)
+    sigma = -(one[None, :] + pitch * np.arange(design.tooth_count)[:, None]).ravel()
+    center, rate, _ = design.center_path(sigma)
+    # the path runs clockwise over sigma: its inward normal is on the right of the rate
+    inward = -1j * rate / np.abs(rate)
+    point = center + (design.lobe_radius + offset) * inward
+    return np.column_stack([point.real, point.imag])
+
+
+def outer_outline(design: Trochoid, points_per_lobe: int, offset: float) -> Array:
+    """Inside of the outer rotor: lobe arcs joined by the arcs of the cavity floor.
+
+    Closed counter-clockwise curve about the outer rotor's centre, shape (n, 2). [m]
+
+    Parameters
+    ----------
+    points_per_lobe : int
+        Points on one lobe and cavity.
+    offset : float
+        What the profile is set back along its normal. [m]
+    """
+    distance, radius = design.generating_radius, design.lobe_radius - offset
+    floor, half_pitch = design.cavity_radius + offset, np.pi / design.lobe_count
+    # angles of the corner between lobe and floor about the origin and about the lobe centre
+    corner = np.arccos((distance**2 + floor**2 - radius**2) / (2.0 * distance * floor))
+    swing = np.arccos((distance**2 + radius**2 - floor**2) / (2.0 * distance * radius))
+    corner = min(corner, half_pitch)
+    on_lobe = 2 * (points_per_lobe // 3) + 1
+    turn = np.linspace(-swing, swing, on_lobe)
+    lobe = distance - radius * np.exp(-1j * turn)
+    rest = np.linspace(corner, 2.0 * half_pitch - corner, points_per_lobe - on_lobe + 2)
+    one = np.concatenate([lobe, floor * np.exp(1j * rest[1:-1])])
+    places = -0.5 * np.pi + half_pitch * (1.0 + 2.0 * np.arange(design.lobe_count))
+    points = (np.exp(1j * places)[:, None] * one[None, :]).ravel()
+    return np.column_stack([points.real, points.imag])
+
+
+def cycloid(tooth_count: int, rolling_radius: float, points_per_tooth: int) -> Array:
+    r"""Closed curve of alternating epi- and hypocycloids.
+
+    Closed counter-clockwise curve; the middle of an epicycloid is on the negative y axis, shape (n,
+    2). [m]
+
+    Parameters
+    ----------
+    tooth_count : int
+        Teeth (epicycloids) of the curve.
+    rolling_radius : float
+        Radius of the generating circle, half of the eccentricity. [m]
+    points_per_tooth : int
+        Points on one epicycloid and one hypocycloid together.
+
+    Notes
+    -----
+    With the pitch radius :math:`r = 2 z q`:
+
+    .. math::
+        p_{epi}(t) = (r+q) e^{it} - q\, e^{i (r+q) t/q}, \qquad
+        p_{hypo}(t) = (r-q) e^{it} + q\, e^{-i (r-q) t/q} .
+    """
+    q, r = rolling_radius, 2.0 * tooth_count * rolling_radius
+    half_pitch = np.pi / tooth_count
+    count = max(points_per_tooth // 2, 4)
+    # points gather at the cusps, where the curvature grows without limit
+    share = np.arange(count) / count
+    t = half_pitch * (share - np.sin(2.0 * np.pi * share) / (2.0 * np.pi))
+    tip = (r + q) * np.exp(1j * t) - q * np.exp(1j * (r + q) * t / q)
+    root = (r - q) * np.exp(1j * t) + q * np.exp(-1j * (r - q) * t / q)
+    one = np.concatenate([tip, root * np.exp(1j * half_pitch)])
+    places = -0.5 * np.pi + half_pitch * (2.0 * np.arange(tooth_count) - 0.5)
+    points = (np.exp(1j * places)[:, None] * one[None, :]).ravel()
+    return np.column_stack([points.real, points.imag])
+
 
 POINTS_PER_TOOTH = 480
 
@@ -96,24 +357,18 @@ class Rotors:
 def rotors_from(parameters: RotorParameters, points_per_tooth: int = POINTS_PER_TOOTH) -> Rotors:
     """Build both rotors of a case.
 
+    Outlines with half of the tip clearance taken off each rotor by normal offset, so that the curve
+    in the middle of the gaps is the exact conjugate pair. Profiles from files are taken as drawn,
+    less half of ``tip_clearance`` each.
+
+    Raises GeometryError if the design undercuts or does not close, or a file holds no rotor.
+
     Parameters
     ----------
     parameters : RotorParameters
         Keys ``[machine.rotors]``.
     points_per_tooth : int
         Points on one tooth of a generated outline.
-
-    Returns
-    -------
-    Rotors
-        Outlines with half of the tip clearance taken off each rotor by normal offset, so that
-        the curve in the middle of the gaps is the exact conjugate pair. Profiles from files
-        are taken as drawn, less half of ``tip_clearance`` each.
-
-    Raises
-    ------
-    GeometryError
-        If the design undercuts or does not close, or a file holds no rotor.
     """
     count, half = parameters.inner_tooth_count, 0.5 * parameters.tip_clearance
     if parameters.kind == "trochoidal":
@@ -145,22 +400,16 @@ def trochoid_of(parameters: RotorParameters) -> Trochoid:
 def offset_outline(outline: Array, distance: float) -> Array:
     """Move a closed outline along its outward normal.
 
+    Closed counter-clockwise curve. [m]
+
+    Raises GeometryError if the offset does not leave one outline.
+
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Closed counter-clockwise curve. [m]
     distance : float
         Offset, positive outwards; loops that it would cut off are removed. [m]
-
-    Returns
-    -------
-    ndarray
-        Closed counter-clockwise curve. [m]
-
-    Raises
-    ------
-    GeometryError
-        If the offset does not leave one outline.
     """
     if distance == 0.0:
         return outline
@@ -185,17 +434,14 @@ def _refuse_offset(distance: float, left: str) -> NoReturn:
 def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParameters:
     """Keys of rotors from files with the tooth count, eccentricity and width found there.
 
+    Keys without defaults that stand for the files.
+
     Parameters
     ----------
     parameters : RotorParameters
         Keys ``[machine.rotors]`` with profiles.
     outer_diameter : float
         Outside diameter of the outer rotor, to check the unit of the files. [m]
-
-    Returns
-    -------
-    RotorParameters
-        Keys without defaults that stand for the files.
 
     Raises
     ------
@@ -245,6 +491,8 @@ def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     """Move a rotor outline to its centre and turn its farthest points to the negative y axis. [m].
 
+    Raises GeometryError if the outline has another number of teeth.
+
     Parameters
     ----------
     curve : ndarray, shape (n, 2)
@@ -253,11 +501,6 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
         Teeth or lobes that the outline must have.
     name : str
         File name for error messages.
-
-    Raises
-    ------
-    GeometryError
-        If the outline has another number of teeth.
     """
     outline, count = contour(curve), _POINTS_FOR_PHASE * tooth_count
     even = outline.point(outline.length * np.arange(count) / count)

@@ -1,4 +1,4 @@
-"""Inner and outer rotor in CAD files: axis, lobes, eccentricity, width."""
+"""Keys of ``[machine.rotors]`` of gerotors, and rotors from the files that they name."""
 
 from __future__ import annotations
 
@@ -12,13 +12,94 @@ from typing import final
 import numpy as np
 import shapely
 
-from toothspace.core.errors import GeometryError
+from toothspace.core.errors import CaseError, GeometryError, Problem
 from toothspace.core.frozen import Points
+from toothspace.core.keys import (
+    KeyTable,
+    choice,
+    file_path,
+    forbid,
+    instead_of,
+    integer,
+    quantity,
+    require,
+    text,
+)
 from toothspace.core.types import Array
+from toothspace.gearing.gear_tables import PROFILE_SUFFIXES
 from toothspace.geometry.body_section import FEWEST_LOBES, SectionRequest
 from toothspace.geometry.cad_import import is_solid, load_body_sections, load_closed_curves
 from toothspace.geometry.curve import counter_clockwise
 from toothspace.geometry.tooth_count import repeating_teeth
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RotorParameters(KeyTable):
+    """``[machine.rotors]``: a generated pair, or two profiles from files."""
+
+    kind: str | None = choice("Family of the profiles.", "trochoidal", "cycloidal", default=None)
+    inner_tooth_count: int = integer(
+        "Teeth of the inner rotor; the outer one has one more. Default that of the profiles.",
+        low=3,
+        high=60,
+        default=0,
+    )
+    eccentricity: float = quantity(
+        "mm",
+        "Distance of the rotor centres. Default that of the profiles, drawn in one frame.",
+        above=0,
+        high=50,
+        default=0.0,
+    )
+    generating_radius: float | None = quantity(
+        "mm", "Radius of the lobe centres of a trochoidal pair.", above=0, high=500, default=None
+    )
+    lobe_radius: float | None = quantity(
+        "mm", "Radius of the outer rotor's lobes of a trochoidal pair.", above=0, high=200,
+        default=None,
+    )  # fmt: skip
+    inner_profile: Path | Points | None = file_path(
+        "Closed profile of the inner rotor.", *PROFILE_SUFFIXES, points=True
+    )
+    outer_profile: Path | Points | None = file_path(
+        "Closed profile of the outer rotor.", *PROFILE_SUFFIXES, points=True
+    )
+    profile_unit: str = choice("Length unit of the profiles.", "mm", "m", "um", "in", default="mm")
+    face_width: float = quantity(
+        "mm", "Axial width of the rotors. Default that of solids.", above=0, high=500, default=0.0
+    )
+    tip_clearance: float = quantity(
+        "um", "Normal gap between the centred rotors at a tip pair.", low=0, high=500
+    )
+    tip_gap_law: str = choice(
+        "Flow through the gap at a tip: between parabolic walls, or the published fit.",
+        "parabolic",
+        "fitted",
+        default="parabolic",
+    )
+    shaft_diameter: float | None = quantity(
+        "mm", "Bore of the inner rotor.", above=0, high=500, default=None
+    )
+    material: str = text("Material from the library.", default="sintered_steel")
+    roughness: float = quantity(
+        "um", "Root mean square roughness of flanks and faces.", low=0.01, high=10, default=0.6e-6
+    )
+
+    def __post_init__(self) -> None:
+        instead_of(self, "kind", "inner_profile", "outer_profile")
+        if self.kind is not None:
+            missing = [n for n in ("inner_tooth_count", "eccentricity", "face_width")
+                       if not getattr(self, n)]  # fmt: skip
+            if missing:
+                raise CaseError.of(
+                    Problem(name, "nothing", "compulsory with kind") for name in missing
+                )
+        if self.kind == "trochoidal":
+            require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
+        else:
+            forbid(self, 'unless kind = "trochoidal"', "generating_radius", "lobe_radius")
+
 
 _PARALLEL = 1e-6
 _LEAST_DISTANCE = 10e-6
@@ -55,22 +136,16 @@ def rotor_pair(
 ) -> tuple[DrawnRotor, DrawnRotor]:
     """Find the rotors of a gerotor set.
 
+    Inner rotor, and outer rotor with one tooth more.
+
+    Raises GeometryError if the files hold no such pair.
+
     Parameters
     ----------
     inner, outer : Path or Points
         Files or points of the rotors; both may be one assembly.
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
-
-    Returns
-    -------
-    tuple of DrawnRotor
-        Inner rotor, and outer rotor with one tooth more.
-
-    Raises
-    ------
-    GeometryError
-        If the files hold no such pair.
     """
     both = [
         _rotors(file, file.stat().st_mtime_ns if isinstance(file, Path) else 0, unit)

@@ -6,16 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toothspace.advice.bearing_rules import bearing_checks
-from toothspace.core.design_check import DesignCheck, warnings_of
+from toothspace.advice.gear_rules import bearing_checks
+from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.lobe_pairs import contact_ratio
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
-from toothspace.machines.gerotor.ports import Ports, kinematic_lands
+from toothspace.machines.gerotor.ports import Ports, Timing, kinematic_lands
 from toothspace.machines.gerotor.profiles import trochoid_of
-from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import ContactPair, LumpedJournalBearing
 
 _LEAST_EDGE = 0.5e-3
@@ -48,17 +47,14 @@ def geometry_summary(
 ) -> dict[str, object]:
     """Numbers of the geometry report.
 
+    Values by name; names carry their unit.
+
     Parameters
     ----------
     contacts : tuple of ContactPair
         Contacts of the lobes.
     checks : sequence of DesignCheck
         Design-rule report, whose failures are named.
-
-    Returns
-    -------
-    dict
-        Values by name; names carry their unit.
     """
     width, rotors = parameters.rotors.face_width, pocket.rotors
     inner, outer = np.hypot(*rotors.inner.T) * 1e3, np.hypot(*rotors.outer.T) * 1e3

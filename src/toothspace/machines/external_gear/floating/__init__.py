@@ -4,9 +4,8 @@
 module               responsibility
 ===================  ======================================================================
 floating_parameters  keys of ``[machine.floating_bearing]`` and ``[machine.elastic_bodies]``
-balance              areas and forces of the bearing, films beside the gears
-elastic_bodies       gears, bearing blocks and plates as elastic bodies
-gear_flanks          pressures and contacts on the flanks of such a gear
-elastic_assembly     all bodies with what acts on them in a run
+balance              areas and forces of the bearing, films beside the gears, and all bodies
+                     that bend with what acts on them in a run
+elastic_bodies       gears, bearing blocks and plates as elastic bodies, loads on gear flanks
 ===================  ======================================================================
 """

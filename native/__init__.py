@@ -1,0 +1,1 @@
+"""The library of compiled code: what is built from the compiled functions of the package."""

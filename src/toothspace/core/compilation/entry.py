@@ -1,0 +1,85 @@
+"""Compiled functions that are looked up in the library when Python calls them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import cached_property, update_wrapper
+from importlib import import_module
+from typing import Any, final
+
+from toothspace.core.compilation.library import NEEDED, Library, Native
+from toothspace.core.errors import CaseError
+
+
+@final
+class Entry:
+    """Function whose machine code is in the library.
+
+    What the library does not hold, or holds for other types of arguments, is compiled by Numba
+    where that is installed, and is plain Python where it is not.
+
+    Parameters
+    ----------
+    function : callable
+        What is compiled.
+    options : mapping
+        Compiler options.
+    library : Library or None
+        Where the code is; nothing where there is neither library nor compiler.
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], options: dict[str, Any], library: Library | None
+    ) -> None:
+        self.py_func = function
+        self._options = options
+        self._library = library
+        update_wrapper(self, function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the code of the library, or what stands in for it."""
+        found = self._found
+        if found is not None:
+            native, call, release, made = found
+            result = call(native.address, release, native.types, native.results, arguments)
+            if result is not NotImplemented:
+                return result if made is None else made(*result)
+        return self._otherwise(*arguments)
+
+    @cached_property
+    def _found(self) -> tuple[Native, Any, int, Any] | None:
+        if self._library is None:
+            raise CaseError(NEEDED)
+        module = self.py_func.__module__.removeprefix("toothspace.")
+        native = self._library.entries.get(f"{module}.{self.py_func.__qualname__}")
+        if native is None:
+            return None
+        return native, self._library.call, self._library.release, _class_of(native.classes)
+
+    @cached_property
+    def _numba_type_(self) -> Any:
+        """Type under which code that Numba compiles sees this function."""
+        return self.just_in_time._numba_type_
+
+    @cached_property
+    def just_in_time(self) -> Any:
+        """The function as Numba compiles it."""
+        from toothspace.core.compilation.jit import compiled
+
+        return compiled(self.py_func, self._options)
+
+    @cached_property
+    def _otherwise(self) -> Callable[..., Any]:
+        try:
+            return self.just_in_time
+        except ImportError:
+            return self.py_func
+
+
+def _class_of(results: str) -> Any:
+    """Class of the named tuple that an entry gives, if it gives one."""
+    named = re.match(r"([\w.]+)\.(\w+)\(", results)
+    if named is None:
+        return None
+    return getattr(import_module(f"toothspace.{named[1]}"), named[2])
