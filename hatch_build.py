@@ -7,6 +7,8 @@ which compiles at run time with the extra ``jit``.
 from __future__ import annotations
 
 import os
+import platform
+import re
 import subprocess
 import sys
 import sysconfig
@@ -31,6 +33,6 @@ class LibraryHook(BuildHookInterface):
         for path in sorted((root / "src" / "toothspace" / "native").iterdir()):
             if not path.name.startswith("."):
                 build_data["force_include"][str(path)] = f"toothspace/native/{path.name}"
-        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        system = sysconfig.get_platform().replace("universal2", platform.machine())
         build_data["pure_python"] = False
-        build_data["tag"] = f"cp311-abi3-{platform}"
+        build_data["tag"] = f"cp311-abi3-{re.sub('[-.]', '_', system)}"

@@ -22,10 +22,8 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
             "involute_fit", "limited_reading", "profile_detection", "pump_sections",
             "reading_process", "step_*", "tooth_*",
         )),
-        *(f"machines/external_gear/{name}.py" for name in (
-            "gear_files", "own_teeth", "profile_quality", "solid_contours",
-        )),
-        "machines/*/case_draft.py", "machines/gerotor/rotor_files.py",
+        "machines/external_gear/own_teeth.py", "machines/external_gear/part_files.py",
+        "machines/*/cad.py", "machines/gerotor/rotor_files.py",
         "core/lazy.py", "plotting/geometry.py",
     ),
     "validation book": ("validation/*", "report/validation_book.py"),
@@ -34,13 +32,12 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "compilation in seconds": ("core/comp*", "warmup.py", "solver/compiled_model.py"),
     "files, interrupts, warnings of results": (
-        "core/files.py", "core/netcdf.py", "core/interrupts.py", "core/files.py",
+        "core/files.py", "core/netcdf.py", "core/interrupts.py",
         "core/processes.py", "core/memory.py", "solver/accuracy.py", "results/solution.py",
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
-        "*/heat_network.py", "run/heating.py", "floating/heat.py",
-        "closures/heat*",
+        "run/heating.py", "floating/heat.py", "closures/heat*",
     ),
     "losses by cause, ripple of the source, lines": (
         "results/ledger.py", "results/ripple.py", "results/performance.py",
@@ -57,8 +54,8 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "form in the browser": ("app/*",),
     "kinematics of many designs at once": (
-        "gearing/design_values.py", "geometry/*_designs.py", "advice/gear_designs.py",
-        "machines/external_gear/designs.py", "studies/design_scan.py",
+        "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
+        "studies/design_scan.py",
     ),
     "lateral films looked up at every instant": (
         "model/lateral_lo*.py", "model/lateral_table.py", "solver/lateral_lookup.py",

@@ -79,12 +79,13 @@ def _link(compiled: list[Compiled], source: str, folder: Path) -> None:
         objects[-1].write_bytes(one.code)
     table = folder / "table.c"
     table.write_text(source, encoding="utf-8")
-    sources = [table, *(HERE / "c" / name for name in ("memory.c",))]
+    sources = [table, *(HERE / "c" / name for name in ("machine.c", "memory.c"))]
     common = [*_compiler(), "-O2", "-fvisibility=hidden"]
     _run([*common, "-o", folder / LIBRARY, *sources, *objects, *LIBRARY_FLAGS[sys.platform]])
     caller = [f"-I{sysconfig.get_path('include')}", HERE / "c" / "caller.c"]
     _run([*common, "-o", folder / CALLER, *caller, *CALLER_FLAGS[sys.platform]])
-    for name in (LIBRARY, CALLER):
+    shutil.copyfile(HERE / "c" / "toothspace.h", folder / "toothspace.h")
+    for name in (LIBRARY, CALLER, "toothspace.h"):
         # moved, so that a process that uses the former one keeps it
         shutil.copyfile(folder / name, FOLDER / f".{name}")
         (FOLDER / f".{name}").replace(FOLDER / name)

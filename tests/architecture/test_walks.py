@@ -363,6 +363,48 @@ def test_friction_closure() -> None:
     assert formula in called.reached(entry_points(called))
 
 
+CHOSEN = """
+
+def toy_friction(speed, breakaway, coulomb, breakaway_speed):
+    return coulomb * speed / breakaway_speed, coulomb / breakaway_speed
+
+
+SMOOTH_LAWS["toy"] = toy_friction
+"""
+CHOSEN_USE = """
+from toothspace.core.keys import Source, Table
+from toothspace.floating.housing_friction import housing_friction
+from toothspace.model.floating_bearing import HousingContact
+from toothspace.studies.bearing_path import STUDY
+
+keys = Table(doc="", spec=HousingContact)
+contact = keys.read({"friction_coefficient": 0.1, "law": "toy"}, Source())
+print(*housing_friction(contact, 50.0).force(2.0 * contact.breakaway_speed))
+given = {"outlet_pressures": ["10 bar", "20 bar"], "friction_law": "toy"}
+assert Table(doc="", spec=STUDY.keys).read(given, Source()).friction_law == "toy"
+"""
+
+
+def test_friction_law_that_a_case_may_choose(tmp_path: Path) -> None:
+    """One entry beside its formula: machines and studies take its name, bearings its force."""
+    package = tmp_path / "toothspace"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    formulas = package / "closures" / "friction.py"
+    formulas.write_text(formulas.read_text(encoding="utf-8") + CHOSEN, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", CHOSEN_USE],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    force, slope = map(float, done.stdout.split())
+    assert force == pytest.approx(2.0 * 0.1 * 50.0)
+    assert slope == pytest.approx(0.1 * 50.0 / 6.45e-3)
+
+
 def test_the_page_names_files_that_are_there() -> None:
     page = (REPOSITORY / "docs" / "developer" / "extending.md").read_text(encoding="utf-8")
     named = [part.strip("`") for part in page.split() if part.startswith(("`src/", "`tests/"))]

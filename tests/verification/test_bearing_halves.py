@@ -53,8 +53,8 @@ def test_halves_settle_where_two_bearings_would(motion: str) -> None:
 
 
 def test_friction_holds_one_half_and_lets_the_other_slide() -> None:
-    free = HousingFriction(coulomb_force=1.0, breakaway_speed=6e-3, holds=True)
-    stuck = HousingFriction(coulomb_force=1e4, breakaway_speed=6e-3, holds=True)
+    free = HousingFriction(coulomb_force=1.0, breakaway_speed=6e-3, law="stick")
+    stuck = HousingFriction(coulomb_force=1e4, breakaway_speed=6e-3, law="stick")
     acting = loads(HIGH)._replace(friction=stuck, parts=(free, stuck))
     stack = _pair((0.70, 0.70))
     found = _settled(stack, acting)

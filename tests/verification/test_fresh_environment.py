@@ -37,6 +37,7 @@ def test_wheel_holds_cases_fluids_and_published_numbers(wheel: Path, repository:
     cases = {path.relative_to(repository) for path in (repository / "cases").rglob("*.toml")}
     assert {f"toothspace/shipped/{path.as_posix()}" for path in cases} <= names
     data = repository / "src" / "toothspace"
+    assert "toothspace/native/toothspace.h" in names
     for folder in ("library", "validation", "report/templates", "fmi"):
         expected = {
             path.relative_to(data.parent).as_posix()
@@ -74,6 +75,12 @@ def test_first_result_from_another_folder(fresh: Environment) -> None:
     done = fresh.run("toothspace", "run", "egm12_motor", "--json")
     numbers = json.loads(done.stdout)
     assert numbers["displacement_cm3_per_rev"] == pytest.approx(4.95, abs=0.01)
+
+
+def test_the_wheel_runs_without_a_compiler_and_stays_small(fresh: Environment) -> None:
+    assert "compiled code: library" in fresh.run("toothspace", "--version", "-v").stdout
+    assert fresh.run("python", "-c", "import numba").returncode != 0
+    assert fresh.size() < 480 * 2**20
 
 
 def test_what_the_lean_installation_lacks_is_named(fresh: Environment) -> None:

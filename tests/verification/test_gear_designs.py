@@ -11,7 +11,6 @@ import pytest
 import toothspace as ts
 from tests.reference_formulas.trapped_area import trapped_area
 from toothspace import api
-from toothspace.advice.gear_designs import GearDesigns, distance_of_backlash
 from toothspace.advice.gear_rules import pair_checks
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
@@ -19,6 +18,7 @@ from toothspace.geometry.evaluated_designs import REASON_TEXTS, DesignReason
 from toothspace.geometry.gear_pair import GearPair, flank_clearance, pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.involute_gear import InvoluteGears
+from toothspace.machines.external_gear.designs import GearDesigns, distance_of_backlash
 
 WIDTH = 1e-2
 SHAPE = DesignReason.FILLET | DesignReason.TIP | DesignReason.NO_INVOLUTE | DesignReason.NO_MESH

@@ -240,7 +240,7 @@ def test_wall_carries_the_moment_that_the_film_does_not() -> None:
 
 def test_smooth_friction_peaks_at_the_breakaway_speed() -> None:
     """Eq. 15 of Thiagarajan et al.: odd, F_brk at v_brk, F_c far above."""
-    law = HousingFriction(coulomb_force=40.0, breakaway_speed=6.45e-3, holds=False)
+    law = HousingFriction(coulomb_force=40.0, breakaway_speed=6.45e-3, law="stribeck")
     speeds = np.linspace(0.1e-3, 30e-3, 3000)
     forces = np.array([law.force(v)[0] for v in speeds])
     assert speeds[np.argmax(forces)] == pytest.approx(6.45e-3, rel=0.02)

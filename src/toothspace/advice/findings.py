@@ -32,6 +32,7 @@ _BUSHED = "Take a larger bearing or one for boundary lubrication, or bring its f
 _FLANKED = "Take wider gears or a larger module, or lower the load."
 
 _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
+_ORDER = ("serious", "caution", "note")
 
 
 class JudgedLimit(NamedTuple):
@@ -196,9 +197,6 @@ def _contacts(solution: Solution, description: MachineDescription) -> Iterator[J
             yield _judged(
                 label, float(np.max(pressure)) / _MPA, _FLANK_PRESSURE, "MPa", source, _FLANKED
             )
-
-
-_ORDER = ("serious", "caution", "note")
 
 
 def findings_of(

@@ -51,6 +51,12 @@ _ADVICE = {
     ),
 }
 """Way of the edge that cures, advice for a contour, and where no edge cures."""
+SHORT_CIRCUIT_LIMIT = 0.01
+"""Flow from high to low pressure through joined openings over the ideal flow. [-]"""
+DENSITY = 850.0
+"""Density of the estimate, mineral oil. [kg/m3]"""
+_ANGLES = 48
+_PORTS = ("inlet", "outlet")
 
 
 @final
@@ -354,16 +360,6 @@ def _sealing(mesh: EnclosedMesh, grooves: ReliefGrooves, *, single: bool) -> str
         f"{words}, in which grooves {spacing * 1e3:.4g} mm apart just never close; here they are "
         f"{have * 1e3:.4g} mm apart."
     )
-
-
-SHORT_CIRCUIT_LIMIT = 0.01
-"""Flow from high to low pressure through joined openings over the ideal flow. [-]"""
-
-DENSITY = 850.0
-"""Density of the estimate, mineral oil. [kg/m3]"""
-
-_ANGLES = 48
-_PORTS = ("inlet", "outlet")
 
 
 @final

@@ -27,6 +27,9 @@ from toothspace.results.solution import Solution
 from toothspace.studies import StudyResult, run_study
 
 _LONGEST_PATH = 1000
+HOST = "127.0.0.1"
+_LARGEST_FORM = 2**20
+_TYPES = {".html": "text/html; charset=utf-8", ".nc": "application/x-netcdf"}
 
 
 @final
@@ -139,11 +142,6 @@ class Session:
         if self._stopped.is_set():
             self._stopped.clear()
             raise KeyboardInterrupt
-
-
-HOST = "127.0.0.1"
-_LARGEST_FORM = 2**20
-_TYPES = {".html": "text/html; charset=utf-8", ".nc": "application/x-netcdf"}
 
 
 @final

@@ -49,6 +49,25 @@ if TYPE_CHECKING:
 
 _KEPT_MACHINES = 16
 _machines: dict[str, Any] = {}
+_BASE = {
+    "description": "Case file that this one is based on: its keys count where this file has none.",
+    "anyOf": [
+        {"type": "string"},
+        {
+            "type": "object",
+            "properties": {
+                "file": {"type": "string", "description": "Case file, relative to this one."},
+                "without": {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "description": "Key paths of that file to be left out.",
+                },
+            },
+            "required": ["file"],
+            "additionalProperties": False,
+        },
+    ],
+}
 
 
 @final
@@ -441,27 +460,6 @@ def _made(
         raise document.refuse(error) from error
     object.__setattr__(case, "_read_from", Document(document.label, {}, document.places))
     return case
-
-
-_BASE = {
-    "description": "Case file that this one is based on: its keys count where this file has none.",
-    "anyOf": [
-        {"type": "string"},
-        {
-            "type": "object",
-            "properties": {
-                "file": {"type": "string", "description": "Case file, relative to this one."},
-                "without": {
-                    "type": "array",
-                    "items": {"type": "string"},
-                    "description": "Key paths of that file to be left out.",
-                },
-            },
-            "required": ["file"],
-            "additionalProperties": False,
-        },
-    ],
-}
 
 
 def case_schema() -> Schema:

@@ -33,6 +33,8 @@ STUDY_KEY = Variant(
     name_of_table=STUDY_KEYS.name_of,
     doc="Study that drives the condition.",
 )
+LEAST_LOAD = 5e3
+"""Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,10 +69,6 @@ class CaseTables(KeyTable):
         default=HeatSettings(),
     )
     run: RunSettings = table(RunSettings, "Fidelity and numerical settings.", default=RunSettings())
-
-
-LEAST_LOAD = 5e3
-"""Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
 
 
 def broken_rules(case: CaseTables) -> Iterator[Problem]:

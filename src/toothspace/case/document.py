@@ -29,6 +29,22 @@ _NAME = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*\]")
 _ENTRY = re.compile(rf"\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*=")
 _TAGS = ("type", "kind")
+_OTHER_FILES = {
+    **dict.fromkeys((".step", ".stp", ".stl", ".dxf"), "a drawing, which 'toothspace gear' reads"),
+    ".nc": "a result, which 'toothspace report' reads",
+}
+"""What files are that no case can be, by their ending."""
+CONDITIONS = ("operating_point", "circuit", "bearing", "film")
+"""Tables of which a case has exactly one."""
+ALTERNATIVES = (
+    ("run.until", "run.revolutions"),
+    ("machine.gears.normal_backlash", "machine.gears.center_distance"),
+    ("fluid.name", "fluid.table"),
+    ("bearing.eccentricity", "bearing.load"),
+    CONDITIONS,
+)
+"""Keys that exclude each other: one that is given takes the others out."""
+_PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
 
 
 @final
@@ -105,13 +121,6 @@ def _read_text(path: Path, label: str) -> str:
     except UnicodeDecodeError as error:
         found = f"byte {error.start} that is not UTF-8"
         raise CaseError("encoding", found, "text in UTF-8").in_file(label) from error
-
-
-_OTHER_FILES = {
-    **dict.fromkeys((".step", ".stp", ".stl", ".dxf"), "a drawing, which 'toothspace gear' reads"),
-    ".nc": "a result, which 'toothspace report' reads",
-}
-"""What files are that no case can be, by their ending."""
 
 
 def _is_shipped(path: Path) -> bool:
@@ -346,21 +355,6 @@ def _value(value: Any) -> str:
         pairs = ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items())
         return f"{{{pairs}}}"
     return str(value)
-
-
-CONDITIONS = ("operating_point", "circuit", "bearing", "film")
-"""Tables of which a case has exactly one."""
-
-ALTERNATIVES = (
-    ("run.until", "run.revolutions"),
-    ("machine.gears.normal_backlash", "machine.gears.center_distance"),
-    ("fluid.name", "fluid.table"),
-    ("bearing.eccentricity", "bearing.load"),
-    CONDITIONS,
-)
-"""Keys that exclude each other: one that is given takes the others out."""
-
-_PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
 
 
 def split_override(override: str) -> tuple[str, Any]:

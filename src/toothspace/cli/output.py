@@ -35,6 +35,10 @@ Overrides = Annotated[
 
 BAD_INPUT, NUMERICAL_FAILURE, INTERRUPTED = 2, 3, 130
 _EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: INTERRUPTED}
+_LINE_EVERY = 10.0
+"""Interval of progress lines when output is not a terminal. [s]"""
+_LONGEST_LIST = 20
+"""Longer lists of numbers are shown by their range; JSON and the result hold all."""
 
 
 def load(case_file: Path, overrides: Sequence[str] | None) -> Case:
@@ -76,13 +80,6 @@ def named(case_file: Path) -> Iterator[None]:
         yield
     except CaseError as error:
         raise error.in_file(str(case_file)) from error
-
-
-_LINE_EVERY = 10.0
-"""Interval of progress lines when output is not a terminal. [s]"""
-
-_LONGEST_LIST = 20
-"""Longer lists of numbers are shown by their range; JSON and the result hold all."""
 
 
 def line(text: str) -> None:

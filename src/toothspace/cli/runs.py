@@ -29,7 +29,7 @@ from toothspace.cli.output import (
     read_quantity,
 )
 from toothspace.core.errors import CaseError
-from toothspace.core.files import require_writable
+from toothspace.core.files import require_writable, write_bytes
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.status import Status
 
@@ -260,6 +260,13 @@ def fmu(
     unit: Annotated[
         Path, typer.Option("-o", "--output", metavar="UNIT.fmu", help="File of the unit.")
     ],
+    model: Annotated[
+        str,
+        typer.Option(
+            metavar="KIND",
+            help="tables: a unit of steady runs; full: UNIT.machine, the whole machine for C.",
+        ),
+    ] = "tables",
     pressure: Annotated[
         list[str] | None,
         typer.Option(help="Pressure difference of the tables, as '50 bar'; repeatable."),
@@ -280,8 +287,18 @@ def fmu(
     force: Force = False,
 ) -> int:
     """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
-    target = require_writable(unit, "-o", replace=force, endings=(".fmu",))
+    if model not in {"tables", "full"}:
+        raise CaseError("--model", repr(model), "'tables' or 'full'")
+    endings = (".machine",) if model == "full" else (".fmu",)
+    target = require_writable(unit, "-o", replace=force, endings=endings)
     case = load(case_file, overrides)
+    if model == "full":
+        from toothspace.fmi.machine_file import machine_file
+
+        with named(case_file):
+            write_bytes(target, machine_file(case, drive=drive))
+        output.message(f"Machine: {target}, read by the functions of toothspace.h")
+        return 0
     from toothspace.fmi.export import write_fmu
 
     with named(case_file), output.progress(case.title) as progress:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.special import pbdv
+import scipy
 
 from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
@@ -219,7 +219,7 @@ def exceedance_moment(order: float, gap_ratio: float) -> float:
     """
     x = gap_ratio
     factor = math.gamma(order + 1.0) / math.sqrt(2.0 * math.pi)
-    return float(factor * math.exp(-0.25 * x * x) * pbdv(-order - 1.0, x)[0])
+    return float(factor * math.exp(-0.25 * x * x) * scipy.special.pbdv(-order - 1.0, x)[0])
 
 
 def greenwood_tripp_pressure(

@@ -13,6 +13,7 @@ sliding backward, or stuck.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -108,6 +109,11 @@ def stribeck_friction(
     slope = (breakaway - coulomb) * hump_slope
     slope += coulomb * (1.0 - level * level) * 10.0 / breakaway_speed
     return (breakaway - coulomb) * hump + coulomb * level, slope
+
+
+SMOOTH_LAWS: dict[str, Callable[..., tuple[Any, Any]]] = {"stribeck": stribeck_friction}
+"""Friction that a case may choose in place of the set-valued one, with the arguments of
+:func:`stribeck_friction`."""
 
 
 @inlined

@@ -18,6 +18,7 @@ from toothspace.core.interrupts import interrupts_held
 
 _LONGEST_PREFIX = 40
 """A draft takes so much of the name of its target, so that long names fit the file system."""
+_DIGEST = "digest"
 
 
 def named_beside(file: Path, folder: Path) -> str:
@@ -220,9 +221,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
-
-
-_DIGEST = "digest"
 
 
 def load_arrays(path: Path) -> dict[str, Any] | None:

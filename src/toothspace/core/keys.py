@@ -753,6 +753,11 @@ def declare(key: Key, default: Any = MISSING) -> Any:
     return field(metadata={_METADATA: key}, default=default)
 
 
+def again(spec: type, name: str, default: Any = MISSING) -> Any:
+    """Declare a key of another table once more, with a default of its own."""
+    return declare(keys_of(spec)[name][0], default)
+
+
 def optional(spec: type, name: str) -> Any:
     """Declare a key of another table once more, without the default that it has there."""
     key = keys_of(spec)[name][0]

@@ -25,6 +25,10 @@ def flexibility(
 ) -> Array:
     r"""Work of every load on the displacement by every other, :math:`F^T K^{-1} F`.
 
+    Flexibility, symmetric positive semidefinite, shape (m, m). [N m]
+
+    Raises GeometryError if the body is not held or falls apart.
+
     Parameters
     ----------
     stiffness : csr_matrix
@@ -36,16 +40,6 @@ def flexibility(
     fixed : ndarray of int
         Unknowns that are held. [-]
 
-    Returns
-    -------
-    ndarray, shape (m, m)
-        Flexibility, symmetric positive semidefinite. [N m]
-
-    Raises
-    ------
-    GeometryError
-        If the body is not held or falls apart.
-
     References
     ----------
     .. [1] I. S. Duff, J. K. Reid, The multifrontal solution of indefinite sparse symmetric
@@ -56,6 +50,7 @@ def flexibility(
     blocks.sort_indices()
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
     graph = scipy.sparse.csr_matrix(joined, shape=(len(nodes), len(nodes)))
+    # parts that share no unknown are eliminated apart, so fronts stay small
     parts = _planned(dissect(nodes, graph), graph, rows)
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
@@ -63,6 +58,7 @@ def flexibility(
     spent = np.cumsum([sum(part.sizes) ** 2 * part.sizes[0] for part in parts], dtype=float)
     for part, cost in zip(parts, spent, strict=True):
         report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
+        # own entries, then what the children left; their memory is a stack, the last one on top
         front = work.front(part)
         _assemble(part, (stiffness, rows), place, front)
         for child in reversed(part.children):
@@ -314,17 +310,14 @@ class Separator(NamedTuple):
 def dissect(nodes: Array, graph: scipy.sparse.csr_matrix) -> list[Separator]:
     """Parts of a nested dissection in the order of elimination.
 
+    Children before parents, all parts of a child next to each other; the last is the root.
+
     Parameters
     ----------
     nodes : ndarray, shape (n, 3)
         Places; parts are cut across x, y or z, wherever fewest nodes are in the way. [m]
     graph : csr_matrix
         Pattern of the node couplings. [-]
-
-    Returns
-    -------
-    list of Separator
-        Children before parents, all parts of a child next to each other; the last is the root.
 
     References
     ----------

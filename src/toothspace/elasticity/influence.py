@@ -166,13 +166,24 @@ def influence_matrix(
         result = _condensed(body, scale)
         if estimate_error:
             coarse = _condensed(body, scale * COARSER)
-            gap = _difference(result, coarse) / (COARSER**2 - 1.0)
+            # largest change of the deformation by smooth pressures and named loads over its span
+            worst = 0.0
+            for a, b in zip(_probes(result), _probes(coarse), strict=True):
+                span = float(np.ptp(a))
+                if span > 0.0:
+                    worst = max(worst, float(np.abs(a - b).max()) / span)
+            gap = worst / (COARSER**2 - 1.0)
             result = replace(result, error_estimate=gap)
     except GeometryError as error:
         # a body of a file is called by its file
         raise error.changed(lambda one: one._replace(key=body.shape.label)) from error
     if cache:
-        _store(name, result)
+        content: dict[str, Array] = {key: getattr(result, key) for key in _ARRAYS}
+        for key in ("load_cases", "resultants"):
+            content[key] = np.array(list(getattr(result, key).values()))
+        for key in ("mass", "element_count", "error_estimate"):
+            content[key] = np.asarray(getattr(result, key))
+        save_arrays(_path(name), content)
     return result
 
 
@@ -182,7 +193,12 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
         wrong = film.mismatch(mesh) if isinstance(film, PlaneSurface) else ""
         if wrong:
             raise GeometryError("elastic body", wrong, "the face of the case there")
-    columns = _columns(body, mesh)
+    films, gram = [], []
+    for film in body.films:
+        forces, matrix = _film_columns(film, mesh)
+        films.append(forces)
+        gram.append(matrix)
+    columns = _Columns(scipy.sparse.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
     masses = np.repeat(nodal_masses(mesh, body.density), 3)
     mass = float(masses[::3].sum())
     center = np.asarray(masses[::3] @ mesh.nodes / mass)
@@ -215,15 +231,6 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
         element_count=totals[2],
         error_estimate=float("nan"),
     )
-
-
-def _columns(body: ElasticBody, mesh: SolidMesh) -> _Columns:
-    films, gram = [], []
-    for film in body.films:
-        forces, matrix = _film_columns(film, mesh)
-        films.append(forces)
-        gram.append(matrix)
-    return _Columns(scipy.sparse.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
 
 
 def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[scipy.sparse.csc_matrix, Array]:
@@ -319,16 +326,6 @@ def _solved(gram: list[Array], values: Array) -> Array:
     return out
 
 
-def _difference(fine: InfluenceMatrix, coarse: InfluenceMatrix) -> float:
-    """Largest change of the deformation by smooth pressures and named loads over its span."""
-    worst = 0.0
-    for a, b in zip(_probes(fine), _probes(coarse), strict=True):
-        span = float(np.ptp(a))
-        if span > 0.0:
-            worst = max(worst, float(np.abs(a - b).max()) / span)
-    return worst
-
-
 def _probes(matrix: InfluenceMatrix) -> list[Array]:
     out = list(matrix.load_cases.values())
     for index in range(len(matrix.body.films)):
@@ -378,13 +375,3 @@ def _stored(name: str, body: ElasticBody) -> InfluenceMatrix | None:
         element_count=int(stored["element_count"]),
         error_estimate=float(stored["error_estimate"]),
     )
-
-
-def _store(name: str, matrix: InfluenceMatrix) -> None:
-    """Store a matrix."""
-    content: dict[str, Array] = {key: getattr(matrix, key) for key in _ARRAYS}
-    for key in ("load_cases", "resultants"):
-        content[key] = np.array(list(getattr(matrix, key).values()))
-    for key in ("mass", "element_count", "error_estimate"):
-        content[key] = np.asarray(getattr(matrix, key))
-    save_arrays(_path(name), content)

@@ -41,6 +41,10 @@ def triangulate(
 ) -> Triangulation:
     """Triangulate the union of regions; the boundary of each region becomes edges.
 
+    Points and counter-clockwise triangles.
+
+    Raises GeometryError if the regions are empty or the edges are too long for them.
+
     Parameters
     ----------
     regions : list of Polygon
@@ -49,16 +53,6 @@ def triangulate(
         Target length of the edges. [m]
     chord : float
         Largest distance of the boundary from its chords over the edge length. [-]
-
-    Returns
-    -------
-    Triangulation
-        Points and counter-clockwise triangles.
-
-    Raises
-    ------
-    GeometryError
-        If the regions are empty or the edges are too long for them.
 
     Notes
     -----
@@ -73,7 +67,12 @@ def triangulate(
     inner = _lattice(whole, shapely.union_all(border), edge_length)
     boundary, edges, inner = _clear_edges(boundary, edges, inner)
     for _ in range(_SMOOTHING if len(inner) else 0):
-        inner = _smoothed(boundary, inner)
+        # move inner points to the mean of their neighbours
+        points = np.vstack([boundary, inner])
+        start, neighbours = scipy.spatial.Delaunay(points).vertex_neighbor_vertices
+        sums = np.add.reduceat(points[neighbours], start[:-1], axis=0)
+        mean = sums / np.diff(start)[:, None]
+        inner = np.asarray(mean[len(boundary) :], dtype=float)
         _, _, inner = _clear_edges(boundary, edges, inner, split=False)
     points = np.vstack([boundary, inner])
     # triangles whose centre is in the region, counter-clockwise, without slivers
@@ -182,15 +181,6 @@ def _split(boundary: Array, edges: IntArray, chosen: BoolArray) -> tuple[Array, 
     return np.vstack([boundary, middle]), np.vstack([edges[~chosen], first, second])
 
 
-def _smoothed(boundary: Array, inner: Array) -> Array:
-    """Move inner points to the mean of their neighbours."""
-    points = np.vstack([boundary, inner])
-    start, neighbours = scipy.spatial.Delaunay(points).vertex_neighbor_vertices
-    sums = np.add.reduceat(points[neighbours], start[:-1], axis=0)
-    mean = sums / np.diff(start)[:, None]
-    return np.asarray(mean[len(boundary) :], dtype=float)
-
-
 _LEVEL_STEP = 1e-9
 """Levels nearer to each other are one. [m]"""
 
@@ -288,7 +278,14 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
         for low, high, count in zip(kept[:-1], kept[1:], counts, strict=True)
     ]
     levels = np.concatenate([*pieces, kept[-1:]])
-    active = _active(parts, points[quads].mean(axis=1), 0.5 * (levels[1:] + levels[:-1]))
+    # cells (layer, quadrilateral) that are solid
+    centres = points[quads].mean(axis=1)
+    heights = 0.5 * (levels[1:] + levels[:-1])
+    active = np.zeros((len(heights), len(centres)), dtype=bool)
+    for part in parts:
+        inside = shapely.contains_xy(part.section, centres[:, 0], centres[:, 1])
+        between = (heights > part.bottom) & (heights < part.top)
+        active |= between[:, None] & inside[None, :]
     count = len(points)
     layer, cell = np.nonzero(active)
     low = quads[cell] + layer[:, None] * count
@@ -311,16 +308,6 @@ def _quadrilaterals(plane: Triangulation) -> tuple[Array, IntArray]:
         np.column_stack([triangles[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(3)
     ]
     return nodes, np.vstack(quads).astype(np.int64)
-
-
-def _active(parts: tuple[Prism, ...], centres: Array, heights: Array) -> BoolArray:
-    """Cells (layer, quadrilateral) that are solid."""
-    active = np.zeros((len(heights), len(centres)), dtype=bool)
-    for part in parts:
-        inside = shapely.contains_xy(part.section, centres[:, 0], centres[:, 1])
-        between = (heights > part.bottom) & (heights < part.top)
-        active |= between[:, None] & inside[None, :]
-    return active
 
 
 _HEX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))

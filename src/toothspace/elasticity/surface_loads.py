@@ -59,17 +59,14 @@ def _tri(point: Array) -> tuple[Array, Array]:
 def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoints:
     """Quadrature points on chosen outer faces of a mesh.
 
+    Points, areas and shape functions.
+
     Parameters
     ----------
     mesh : SolidMesh
         Mesh. [m]
     order : int
         Points along each edge of a quadrilateral; a triangle is cut into order squared parts.
-
-    Returns
-    -------
-    FacePoints
-        Points, areas and shape functions.
     """
     faces = mesh.faces[chosen]
     corners = mesh.nodes[faces]

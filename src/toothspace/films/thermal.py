@@ -156,24 +156,19 @@ def solve_heated(
     if mismatch(first) <= 0.0:
         mean = first
     else:
-        rise = _rise_beyond(mismatch, first, balance.highest_temperature)
+        # rise of the mean temperature that is more than the film asks for. [K]
+        most = min(_HIGHEST_RISE, balance.highest_temperature - first)
+        rise = min(_FIRST_RISE, most)
+        while mismatch(first + rise) > 0.0:
+            if rise >= most:
+                raise CaseError(
+                    "heat",
+                    f"a mean temperature beyond {first + most - ZERO_CELSIUS:.0f} degC",
+                    "are films within the range of the fluid: take more flow, less speed or a "
+                    "smaller oil_share",
+                )
+            rise = min(2.0 * rise, most)
         mean = root_between(mismatch, first, first + rise, 1e-6)
     film = solve(viscosity(mean))
     outlet = balance.outlet_temperature(film)
     return HeatedFilm(film, viscosity(mean), mean, outlet, film.status)
-
-
-def _rise_beyond(mismatch: Callable[[float], float], first: float, highest: float) -> float:
-    """Rise of the mean temperature that is more than the film asks for. [K]."""
-    most = min(_HIGHEST_RISE, highest - first)
-    rise = min(_FIRST_RISE, most)
-    while mismatch(first + rise) > 0.0:
-        if rise >= most:
-            raise CaseError(
-                "heat",
-                f"a mean temperature beyond {first + most - ZERO_CELSIUS:.0f} degC",
-                "are films within the range of the fluid: take more flow, less speed or a "
-                "smaller oil_share",
-            )
-        rise = min(2.0 * rise, most)
-    return rise

@@ -219,7 +219,31 @@ def bodies_between_covers(
             reason = f"; {found.reason}" if found.reason else ""
             warning = _RESTLESS.format(_MOST_PITCHES, reason) if restless else ""
     asked = np.round(turn / faces.face.chambers.pitch * len(track)).astype(int) % len(track)
-    return _result(stack, [track[k] for k in asked], faces.face.period, track[-1], warning)
+    # heights, places of the bodies and their asperity friction at the states asked for
+    states = [track[k] for k in asked]
+    bodies, count = stack.balance.bodies, len(stack.balance.bodies)
+    heights = np.array(
+        [
+            [stack.film_face_motion(k, s.position, s.velocity).position for k in range(2 * count)]
+            for s in states
+        ]
+    )
+    resting = stack.balance.interfaces[-1].face.gap
+    places = np.zeros((len(states), count, 4))
+    torque = dict.fromkeys(bodies, 0.0)
+    for row, state in zip(places, states, strict=True):
+        for b, body in enumerate(bodies):
+            first = stack.first_body + 3 * b
+            row[b, :3] = state.position[first : first + 3] - np.array([resting, 0.0, 0.0])
+            films = [f for f in state.films if f.grid.interface.body == body]
+            row[b, 3] = min(float(f.gap[f.boundary.mask.film].min()) for f in films)
+            speed = abs(films[0].grid.interface.speed_ratio) * stack.shaft_speed
+            power = sum(f.losses.asperity for f in films)
+            torque[body] += power / speed / len(states) if speed > 0.0 else 0.0
+    table = monotone_table(faces.face.period, places.reshape(len(states), -1))
+    # films of the floating side come first, covers with the lower one
+    planes = (heights[:, count:], heights[:, :count])
+    return BodiesBetweenCovers(planes, FacePlaces(bodies, table, warning), torque, track[-1])
 
 
 def _repeated(
@@ -249,31 +273,3 @@ def _aside(stack: Stack, balance: Balance) -> Balance:
         q[first:][tilted] += _ASIDE * stack.play / stack.arms[first:][tilted]
     states = tuple(replace(s, position=q, velocity=np.zeros_like(q)) for s in balance.states)
     return replace(balance, states=states)
-
-
-def _result(
-    stack: Stack, states: list[StackState], period: float, last: StackState, warning: str
-) -> BodiesBetweenCovers:
-    bodies, count = stack.balance.bodies, len(stack.balance.bodies)
-    heights = np.array(
-        [
-            [stack.film_face_motion(k, s.position, s.velocity).position for k in range(2 * count)]
-            for s in states
-        ]
-    )
-    resting = stack.balance.interfaces[-1].face.gap
-    places = np.zeros((len(states), count, 4))
-    torque = dict.fromkeys(bodies, 0.0)
-    for row, state in zip(places, states, strict=True):
-        for b, body in enumerate(bodies):
-            first = stack.first_body + 3 * b
-            row[b, :3] = state.position[first : first + 3] - np.array([resting, 0.0, 0.0])
-            films = [f for f in state.films if f.grid.interface.body == body]
-            row[b, 3] = min(float(f.gap[f.boundary.mask.film].min()) for f in films)
-            speed = abs(films[0].grid.interface.speed_ratio) * stack.shaft_speed
-            power = sum(f.losses.asperity for f in films)
-            torque[body] += power / speed / len(states) if speed > 0.0 else 0.0
-    table = monotone_table(period, places.reshape(len(states), -1))
-    # films of the floating side come first, covers with the lower one
-    planes = (heights[:, count:], heights[:, :count])
-    return BodiesBetweenCovers(planes, FacePlaces(bodies, table, warning), torque, last)

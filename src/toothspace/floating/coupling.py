@@ -337,6 +337,8 @@ def couple_point(
 ) -> CoupledPoint:
     """Find gaps and chamber pressures that agree about lateral leakage and torque.
 
+    Raises KeyboardInterrupt if a lumped run is interrupted.
+
     Parameters
     ----------
     description : MachineDescription
@@ -344,18 +346,12 @@ def couple_point(
     run : callable
         Lumped solution at the operating point, of a changed machine.
 
-    Raises
-    ------
-    KeyboardInterrupt
-        If a lumped run is interrupted.
-
     Notes
     -----
     Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
     more. Where equilibria at the pressures of single runs jump from one side to the other, one is
-    sought at pressures between two runs, see :class:`~.interpolation.InterpolatedEquilibrium`.
-    The faces of
-    every run drag like the films of the run before.
+    sought at pressures between two runs, see :class:`InterpolatedEquilibrium`. The faces of every
+    run drag like the films of the run before.
     """
     search = _LeakageSearch(replace(description, lateral_table=None), fluid, run, request)
     point, close = search.advance()
@@ -526,6 +522,9 @@ def coupled_solution(
 ) -> Solution:
     """Operating point with its lateral films over one revolution.
 
+    Raises KeyboardInterrupt if interrupted before there was a lumped solution; a later interrupt
+    keeps what is done.
+
     Parameters
     ----------
     description, fluid, run, request
@@ -537,11 +536,6 @@ def coupled_solution(
     heated : callable
         Solution of the machine with the temperatures of its films, from one that repeats it with
         other viscosities; without temperatures if not given.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted before there was a lumped solution; a later interrupt keeps what is done.
     """
     done: list[Solution] = []
     points: list[CoupledPoint] = []

@@ -55,6 +55,7 @@ class DeformationResponse:
     """Final film force per coefficient of what the deformation misses. [N/m, N]"""
 
     def __post_init__(self) -> None:
+        # the deformation answers to pressures that it changes itself: a geometric series
         object.__setattr__(self, "settled", np.linalg.inv(np.eye(len(self.gain)) - self.gain))
         object.__setattr__(self, "pull", self.force @ self.settled)
 
@@ -307,6 +308,7 @@ class DeformationIteration:
         if self._memory == 0:
             return np.asarray(step / overstep(states, step))
         new = self._new
+        # what the deformation will ask for beyond this iteration, where the response tells it
         if self._own:
             pairs = zip(self._own, self._missing, strict=True)
             more = [own.fields(own.follow(m, step, rate) - m) for own, m in pairs]
@@ -319,6 +321,7 @@ class DeformationIteration:
         pieces = iter(np.split(mixture, np.cumsum([a.size for s in new for a in s])))
         new = [[next(pieces).reshape(a.shape) for a in s] for s in new]
         step = next(pieces) / weight - here
+        # positions and deformation are shortened alike, so that they still belong together
         change = _sum(new, self.used, -1.0)
         part = 1.0 / overstep(states, step, change)
         self.used = _sum(self.used, change, part)

@@ -276,6 +276,8 @@ def elastic_faces(
 ) -> ElasticFaces:
     """Condense the bodies, or take them from the cache, and split off the local part.
 
+    Raises GeometryError if a body cannot be meshed or condensed.
+
     Parameters
     ----------
     grids : tuple of FaceGrid
@@ -284,11 +286,6 @@ def elastic_faces(
         Bearings and turning bodies, see :class:`ElasticFaces`.
     named_loads : callable, optional
         What acts on the bodies besides the films, by snapshot; nothing if not given.
-
-    Raises
-    ------
-    GeometryError
-        If a body cannot be meshed or condensed.
     """
     matrices = {name: influence_matrix(body, estimate_error=False) for name, body in bodies.items()}
     faces = ElasticFaces(grids, matrices, _unloaded, (0.0,) * len(grids))
@@ -373,6 +370,9 @@ def loaded_bodies(
 ) -> ElasticFaces:
     """Elastic bodies of a machine under the loads of a lumped solution.
 
+    Raises CaseError if the machine has no elastic bodies; GeometryError if a body cannot be meshed
+    or condensed.
+
     Parameters
     ----------
     balance : LateralBalance
@@ -383,13 +383,6 @@ def loaded_bodies(
         Pressures behind the bearing.
     data : xarray.Dataset
         Samples of one revolution.
-
-    Raises
-    ------
-    CaseError
-        If the machine has no elastic bodies.
-    GeometryError
-        If a body cannot be meshed or condensed.
     """
     if balance.elastic_bodies is None:
         raise CaseError("run.deformation", "'bodies'", "'winkler' or 'none' here")

@@ -224,6 +224,8 @@ def growing_motion(
 ) -> tuple[float, Array]:
     """Fastest growth of a motion that tips bodies in equilibrium, and its shape.
 
+    Rate [1/s], zero if every motion decays, and coordinates with the largest one. [m, rad]
+
     Parameters
     ----------
     balance : Balance
@@ -232,11 +234,6 @@ def growing_motion(
         Friction in the housing.
     step : StepSettings
         Basis functions of the deformation that is taken along.
-
-    Returns
-    -------
-    tuple
-        Rate [1/s], zero if every motion decays, and coordinates with the largest one. [m, rad]
 
     Notes
     -----

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.thermal import FilmHeating
 from toothspace.floating.equilibrium import Equilibrium
 from toothspace.floating.motion import Balance
 from toothspace.floating.problem import LateralNumbers, LateralProblem, numbers_of
@@ -80,7 +79,19 @@ def settle_bearing(
             laws.append(law._replace(fluid=thinned))
         heated = replace(problem, stack=replace(problem.stack, laws=tuple(laws)))
         found = heated.settle(start)
-        asked = film_temperatures(found.balance, heating)
+        # mean temperature of every film from its dissipated power and its flow. [K]
+        own, count = heating.balance, len(found.balance.states)
+        power, flow = np.zeros((2, len(found.balance.states[0].films)))
+        for state in found.balance.states:
+            for k, film in enumerate(state.films):
+                lost = film.losses
+                power[k] += (lost.dissipation + lost.asperity) / count
+                flow[k] += film.plane.exchange.outflow / count
+        carried = own.density * own.heat_capacity * flow
+        rise = np.divide(
+            own.oil_share * power, carried, out=np.full_like(power, np.inf), where=carried > 0.0
+        )
+        asked = np.asarray(own.supply_temperature + 0.5 * np.where(power > 0.0, rise, 0.0))
         within = np.minimum(asked, heating.balance.highest_temperature)
         agreed = float(np.abs(within - now).max()) <= _AGREEMENT
         if agreed:
@@ -93,25 +104,3 @@ def settle_bearing(
         temperatures=now,
         warm=agreed and bool(np.all(within == asked)),
     )
-
-
-def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
-    """Mean temperature of every film from its dissipated power and its flow. [K].
-
-    Parameters
-    ----------
-    balance : Balance
-        Solved films, a state for every shaft angle.
-    """
-    own, count = heating.balance, len(balance.states)
-    power, flow = np.zeros((2, len(balance.states[0].films)))
-    for state in balance.states:
-        for k, film in enumerate(state.films):
-            lost = film.losses
-            power[k] += (lost.dissipation + lost.asperity) / count
-            flow[k] += film.plane.exchange.outflow / count
-    carried = own.density * own.heat_capacity * flow
-    rise = np.divide(
-        own.oil_share * power, carried, out=np.full_like(power, np.inf), where=carried > 0.0
-    )
-    return np.asarray(own.supply_temperature + 0.5 * np.where(power > 0.0, rise, 0.0))

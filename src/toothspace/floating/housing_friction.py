@@ -1,8 +1,8 @@
 r"""Friction of a floating bearing in its housing.
 
-Two laws stand to choice. The smooth one, :func:`toothspace.closures.friction.stribeck_friction`,
-vanishes at rest, so a bearing under load creeps. The set-valued one holds any load up to the
-breakaway force at rest and resists motion with the Coulomb force.
+The set-valued law holds any load up to the breakaway force at rest and resists motion with the
+Coulomb force. The smooth ones, :data:`toothspace.closures.friction.SMOOTH_LAWS`, vanish at rest, so
+a bearing under load creeps.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import final
 
 import numpy as np
 
-from toothspace.closures.friction import stribeck_friction
+from toothspace.closures.friction import SMOOTH_LAWS
 from toothspace.core.types import Array
-from toothspace.model.floating_bearing import HousingContact
+from toothspace.model.floating_bearing import STICK, HousingContact
 
 BREAKAWAY_RATIO = 2.5
 """Breakaway over Coulomb force. [-]"""
@@ -36,8 +36,13 @@ class HousingFriction:
     """Friction force in motion. [N]"""
     breakaway_speed: float
     """Speed of the friction peak. [m/s]"""
-    holds: bool
-    """Whether the bearing can stick under load (set-valued law)."""
+    law: str
+    """Set-valued ``stick``, or a smooth one."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether the bearing can stick under load."""
+        return self.law == STICK
 
     @property
     def breakaway_force(self) -> float:
@@ -45,14 +50,16 @@ class HousingFriction:
         return BREAKAWAY_RATIO * self.coulomb_force
 
     def force(self, velocity: float) -> tuple[float, float]:
-        """Smooth law: force against the motion and its derivative. [N, N s/m].
+        """Force of a smooth law against the motion and its derivative. [N, N s/m].
 
         Parameters
         ----------
         velocity : float
             Velocity of the bearing. [m/s]
         """
-        force, slope = stribeck_friction(
+        if self.coulomb_force == 0.0:
+            return 0.0, 0.0
+        force, slope = SMOOTH_LAWS[self.law](
             velocity, self.breakaway_force, self.coulomb_force, self.breakaway_speed
         )
         return float(force), float(slope)
@@ -83,6 +90,5 @@ def normal_force(
 
 def housing_friction(contact: HousingContact, normal: float) -> HousingFriction:
     """Friction law of a contact under a normal force. [N]."""
-    return HousingFriction(
-        contact.friction_coefficient * normal, contact.breakaway_speed, contact.law == "stick"
-    )
+    coulomb = contact.friction_coefficient * normal
+    return HousingFriction(coulomb, contact.breakaway_speed, contact.law)

@@ -142,6 +142,8 @@ def advance(
 ) -> Balance:
     """Move by one implicit Euler step under the mean of the forces in all snapshots.
 
+    State after the step; ``converged`` says whether it is in balance.
+
     Parameters
     ----------
     snapshots : sequence of Snapshot
@@ -155,11 +157,6 @@ def advance(
     follows : bool
         Whether the snapshot follows on that of the state before by the length of the step, so that
         the change of the deformation squeezes the films. Snapshots averaged over leave that out.
-
-    Returns
-    -------
-    Balance
-        State after the step; ``converged`` says whether it is in balance.
     """
     previous = PreviousStep(former.states[0], duration) if follows else None
     start = former.position, former.velocity
@@ -176,8 +173,10 @@ def _revised(task: _StepTask, found: _Step, v: Array, tried: tuple[int, ...]) ->
     for k, lever in enumerate(task.stack.levers):
         speed = float(lever @ velocity)
         limit = task.loads.law(k).breakaway_force
+        # holding asks for more than friction gives: it slides the way it is pushed
         if tried[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
             revised.append(-int(np.sign(friction[k])))
+        # friction would drive it on: it sticks before it turns round
         elif tried[k] != 0 and tried[k] * speed <= 0.0:
             revised.append(0)
         else:
@@ -330,6 +329,7 @@ def _newton_step(
     """Step of the coordinates that balances the forces with what the deformation will add."""
     free = task.stack.free
     matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
+    # a bearing that sticks adds the force that holds it as an unknown, and that it does not move
     count, bars = free.size, len(held)
     full = np.zeros((count + bars, count + bars))
     full[:count, :count] = matrix

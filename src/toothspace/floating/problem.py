@@ -45,7 +45,7 @@ from toothspace.floating.stack import (
     WinklerFoundation,
 )
 from toothspace.model.description import MachineDescription
-from toothspace.model.floating_bearing import FilmInterface, LateralBalance
+from toothspace.model.floating_bearing import STICK, FilmInterface, LateralBalance
 from toothspace.numerics.parallel import cores_for_fields
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class LateralProblem:
         At rest the spring pulls with what films and back leave.
         """
         stiffness = _HELD * balance_force(self.stack, self.loads.back)
-        free = HousingFriction(0.0, self.loads.friction.breakaway_speed, holds=True)
+        free = HousingFriction(0.0, self.loads.friction.breakaway_speed, STICK)
         stack = replace(self.stack, holding_spring=HoldingSpring(opening, stiffness))
         return replace(self, stack=stack, loads=Loads(self.loads.back, free))
 
@@ -138,10 +138,7 @@ class LateralProblem:
 
         An interrupt by the user after the first step keeps the steps that are done.
 
-        Raises
-        ------
-        KeyboardInterrupt
-            If interrupted before.
+        Raises KeyboardInterrupt if interrupted before.
         """
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(9e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
@@ -226,6 +223,8 @@ def lateral_problem(
 ) -> LateralProblem:
     """Lateral films at the operating point of a lumped solution.
 
+    Raises CaseError if the machine has no floating bearing.
+
     Parameters
     ----------
     description : MachineDescription
@@ -234,11 +233,6 @@ def lateral_problem(
         Samples of one revolution: chamber and port pressures, journal forces.
     nose_pressure : float, optional
         Absolute pressure on the nose; default the low pressure. [Pa]
-
-    Raises
-    ------
-    CaseError
-        If the machine has no floating bearing.
     """
     balance = balance_of(description)
     shaft_speed = float(data["shaft_speed"].mean())
@@ -311,10 +305,7 @@ def _frictions(
 def balance_of(description: MachineDescription) -> LateralBalance:
     """Lateral balance of a machine.
 
-    Raises
-    ------
-    CaseError
-        If it has none.
+    Raises CaseError if it has none.
     """
     if description.lateral_balance is None:
         raise CaseError(NO_FLOATING_PART)
@@ -402,15 +393,13 @@ def _contact_share(film: FaceFilm) -> float:
 def wear_map(balances: Sequence[Balance]) -> Array:
     """Wear indicator at the places of the bearings, mean over all shaft angles. [W/m2].
 
+    Asperity pressure times sliding speed; zero where no asperity ever touches, shape (films, rows,
+    columns).
+
     Parameters
     ----------
     balances : sequence of Balance
         States, with one or several shaft angles each.
-
-    Returns
-    -------
-    ndarray, shape (films, rows, columns)
-        Asperity pressure times sliding speed; zero where no asperity ever touches.
     """
     states = [state for balance in balances for state in balance.states]
     total = np.zeros((len(states[0].films), *states[0].films[0].grid.area.shape))

@@ -97,6 +97,8 @@ def loaded_condition(
 ) -> LoadedCondition:
     """Bring chambers and films to agreement, so that tables hold what the coupled run finds.
 
+    Raises CaseError if the machine has no floating bearing.
+
     Parameters
     ----------
     description : MachineDescription
@@ -104,11 +106,6 @@ def loaded_condition(
         in one piece.
     run : callable
         Lumped solution of a changed machine at the condition.
-
-    Raises
-    ------
-    CaseError
-        If the machine has no floating bearing.
     """
     balance = balance_of(description)
     free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)

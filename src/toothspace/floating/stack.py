@@ -505,15 +505,12 @@ _PLACES = 12
 def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
     """Forces of cover, wall and journal bearings on the coordinates, and their stiffness.
 
+    Generalised forces [N, N m] and minus their derivatives with the coordinates.
+
     Parameters
     ----------
     q : ndarray
         Coordinates. [m, rad]
-
-    Returns
-    -------
-    tuple of ndarray
-        Generalised forces [N, N m] and minus their derivatives with the coordinates.
 
     Notes
     -----

@@ -20,6 +20,7 @@ from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.units import Quantity, as_text, from_si, parse_quantity
 from toothspace.fmi.archive import fmu_archive, found_compiler, identifier_of
+from toothspace.fmi.machine_file import DRIVES
 from toothspace.fmi.operating_tables import ShaftSamples, tables_of
 from toothspace.run.run import provenance_of
 from toothspace.studies.efficiency_map import EfficiencyMapStudy, map_records
@@ -33,9 +34,6 @@ if TYPE_CHECKING:
 _PRESSURE_SHARES = (0.1, 0.4, 0.7, 1.0)
 _SPEED_SHARES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Default values over those of the operating point; friction is most curved at low speed. [-]"""
-
-DRIVES = ("speed", "torque")
-"""What moves the shaft of a unit: its speed is an input, or follows from torques and inertia."""
 
 
 def export_fmu(

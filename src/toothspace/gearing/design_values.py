@@ -71,10 +71,7 @@ class DesignValues:
     def in_range(self, *tables: str) -> BoolArray:
         """Whether all varied values lie in the range of their keys.
 
-        Raises
-        ------
-        CaseError
-            If a key does not act on the kinematics.
+        Raises CaseError if a key does not act on the kinematics.
         """
         names = (*TOOTH_KEYS, "face_width", "normal_backlash", "center_distance")
         found = np.ones(self.size, dtype=bool)

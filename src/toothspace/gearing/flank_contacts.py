@@ -90,10 +90,7 @@ def _half_tooth(gears: meshing.MeshedGears) -> float:
 def tooth_stiffness(gears: meshing.MeshedGears, flanks: FlankPair) -> float:
     r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
 
-    Returns
-    -------
-    float
-        Stiffness without the contact's own flattening. [N/m2]
+    Stiffness without the contact's own flattening. [N/m2]
 
     Notes
     -----
@@ -109,7 +106,17 @@ def tooth_stiffness(gears: meshing.MeshedGears, flanks: FlankPair) -> float:
     .. [1] ISO 6336-1:2006, section 9.3, method B.
     """
     counts = gears.teeth[0].tooth_count, gears.teeth[1].tooth_count
-    total = _MEASURED_OVER_THEORY / (1e-9 * minimum_flexibility(counts, flanks.profile_shifts))
+    # flexibility q' of one tooth pair of spur gears by ISO 6336-1. [mm um/N]
+    teeth = [
+        (1.0 / z if z > 0 else 0.0, x) for z, x in zip(counts, flanks.profile_shifts, strict=True)
+    ]
+    if counts[1] > 0:
+        # the polynomial holds for the gear with the larger shift first
+        teeth.sort(key=lambda tooth: -tooth[1])
+    (first, x1), (second, x2) = teeth
+    constant = 0.04723 + 0.15551 * first + 0.25791 * second
+    linear = -0.00635 * x1 - 0.11654 * x1 * first - 0.00193 * x2 - 0.24188 * x2 * second
+    total = _MEASURED_OVER_THEORY / (1e-9 * (constant + linear + 0.00529 * x1**2 + 0.00182 * x2**2))
     moduli = [material.elastic_modulus for material in flanks.materials]
     total *= 2.0 * moduli[0] * moduli[1] / (moduli[0] + moduli[1]) / _STEEL_MODULUS
     radius = _RADIUS_OVER_PITCH * gears.mesh.pitch_radii[0]
@@ -118,26 +125,6 @@ def tooth_stiffness(gears: meshing.MeshedGears, flanks: FlankPair) -> float:
     contact_modulus = 0.5 * reduced_modulus(*flanks.materials)
     load, _, _, _ = logarithmic_law(depth, float(np.log(scale)), contact_modulus)
     return float(1.0 / (1.0 / total - depth / load))
-
-
-def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, float]) -> float:
-    """Flexibility q' of one tooth pair of spur gears by ISO 6336-1. [mm um/N].
-
-    Parameters
-    ----------
-    counts : tuple of int
-        Tooth counts, negative of a ring gear. [-]
-    profile_shifts : tuple of float
-        Profile shifts in modules. [-]
-    """
-    teeth = [(1.0 / z if z > 0 else 0.0, x) for z, x in zip(counts, profile_shifts, strict=True)]
-    if counts[1] > 0:
-        # the polynomial holds for the gear with the larger shift first
-        teeth.sort(key=lambda tooth: -tooth[1])
-    (first, x1), (second, x2) = teeth
-    constant = 0.04723 + 0.15551 * first + 0.25791 * second
-    linear = -0.00635 * x1 - 0.11654 * x1 * first - 0.00193 * x2 - 0.24188 * x2 * second
-    return constant + linear + 0.00529 * x1**2 + 0.00182 * x2**2
 
 
 def rigid_mesh(gears: meshing.MeshedGears) -> RigidMesh:

@@ -109,10 +109,7 @@ class MeshingGearParameters(KeyTable):
     def involute_gear(self, table: str) -> InvoluteGear:
         """Return the generated gear.
 
-        Raises
-        ------
-        GeometryError
-            If the tooth is impossible, with the key in the given table.
+        Raises GeometryError if the tooth is impossible, with the key in the given table.
         """
         values: dict[str, Any] = {name: getattr(self, name) for name in TOOTH_KEYS}
         try:
@@ -167,10 +164,7 @@ class ReliefGrooveParameters(KeyTable):
 
         ``unit`` is the length unit of the file.
 
-        Raises
-        ------
-        CaseError
-            If the file is damaged, or holds two polygons on one side.
+        Raises CaseError if the file is damaged, or holds two polygons on one side.
         """
         key = f"{table}relief_grooves.contour"
         polygons = read_contours(self.contour, key, unit) if self.contour else []
@@ -179,10 +173,7 @@ class ReliefGrooveParameters(KeyTable):
     def outlined(self, polygons: list[Array], depth: float, key: str) -> ReliefGrooves:
         """Return the grooves with outlines in place of the rectangles and a depth. [m].
 
-        Raises
-        ------
-        CaseError
-            If two polygons lie on one side, with the key.
+        Raises CaseError if two polygons lie on one side, with the key.
         """
         found: dict[bool, Array] = {}
         for polygon in polygons:
@@ -246,10 +237,7 @@ def _offset(given: float | None, contour: Array | None, side: float) -> float:
 def read_contours(file: Path | Points, key: str, unit: str = "mm") -> list[Array]:
     """Closed polygons of a file in a unit of length. [m].
 
-    Raises
-    ------
-    GeometryError
-        If it cannot be read, with the key.
+    Raises GeometryError if it cannot be read, with the key.
     """
     try:
         return load_polygons(file, to_si(1.0, unit))

@@ -339,6 +339,8 @@ class Throats:
 def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
     """Throats between facing flanks.
 
+    Geometry at the angles.
+
     Parameters
     ----------
     drive, driven : Flank
@@ -347,11 +349,6 @@ def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
         Gears in mesh.
     angles : ndarray
         Throat angles. [rad]
-
-    Returns
-    -------
-    Throats
-        Geometry at the angles.
     """
     data = _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float))
     ends = (

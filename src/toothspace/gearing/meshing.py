@@ -84,17 +84,14 @@ class MeshedGears:
     def table_places(self, gear: int, nodes: int) -> Array:
         """Places of a gear's table nodes in the sense of rotation, opposite to the mesh first.
 
+        Places; those of the driven gear leave out its turn into contact. [rad]
+
         Parameters
         ----------
         gear : int
             0 for the drive gear, 1 for the driven gear.
         nodes : int
             About how many nodes the drive gear shall have.
-
-        Returns
-        -------
-        ndarray
-            Places; those of the driven gear leave out its turn into contact. [rad]
 
         Notes
         -----
@@ -164,10 +161,7 @@ def smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple
 def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
     """Mesh with the driven gear turned until the loaded flanks touch.
 
-    Raises
-    ------
-    GeometryError
-        If the other flanks then overlap.
+    Raises GeometryError if the other flanks then overlap.
     """
     for _ in range(4):
         gap, lever = smallest_gap(teeth, mesh, is_left)
@@ -201,10 +195,7 @@ def loaded_throats(gears: MeshedGears, spaces: Spaces) -> Throats:
 def contact_range(gears: MeshedGears) -> tuple[float, float]:
     """Throat angles at which the loaded flank pair begins and ends to touch.
 
-    Returns
-    -------
-    tuple of float
-        Range, at least 1.02 pitches long, so that the load can be handed over. [rad]
+    Range, at least 1.02 pitches long, so that the load can be handed over. [rad]
     """
     start, end = path_of_contact(gears)
     missing = max(_LEAST_RATIO * 2.0 * gears.mesh.half_pitch - (end - start), 0.0)
@@ -214,11 +205,8 @@ def contact_range(gears: MeshedGears) -> tuple[float, float]:
 def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     """Throat angles between which the loaded flank pair touches.
 
-    Returns
-    -------
-    tuple of float
-        Begin and end: in closed form for involutes; other flanks touch where their gap is no
-        larger than that of the neighbouring pairs, but for ``CONTACT_TOLERANCE``. [rad]
+    Begin and end: in closed form for involutes; other flanks touch where their gap is no larger
+    than that of the neighbouring pairs, but for ``CONTACT_TOLERANCE``. [rad]
     """
     exact = gears.involute_path
     if exact is not None:
@@ -241,16 +229,13 @@ def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
 def load_share(gears: MeshedGears, angles: Array) -> Array:
     """Share of the contact force that a flank pair carries.
 
+    Share, 0 out of contact and smooth in between; the shares of pairs one pitch apart sum to 1 at
+    every angle. [-]
+
     Parameters
     ----------
     angles : ndarray
         Throat angles. [rad]
-
-    Returns
-    -------
-    ndarray
-        Share, 0 out of contact and smooth in between; the shares of pairs one pitch apart
-        sum to 1 at every angle. [-]
     """
     start, end = contact_range(gears)
     pitch = 2.0 * gears.mesh.half_pitch
@@ -275,15 +260,12 @@ def rigid_contact(gears: MeshedGears) -> tuple[Array, float]:
 def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
     r"""Volume delivered per radian while a throat at given angles seals inlet from outlet.
 
+    Flow rate over shaft speed. [m3/rad]
+
     Parameters
     ----------
     angles : ndarray
         Throat angles of the loaded flanks. [rad]
-
-    Returns
-    -------
-    ndarray
-        Flow rate over shaft speed. [m3/rad]
 
     Notes
     -----

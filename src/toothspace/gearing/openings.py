@@ -77,15 +77,12 @@ class SpaceOutlines:
 def space_outlines(spaces: Spaces, indices: IntArray | None = None) -> list[Array]:
     """Polygons of a tooth space at its angles.
 
+    Outlines, counter-clockwise, machine frame, shape (points, 2). [m]
+
     Parameters
     ----------
     indices : ndarray of int or None
         Numbers of the angles; None for all.
-
-    Returns
-    -------
-    list of ndarray, shape (points, 2)
-        Outlines, counter-clockwise, machine frame. [m]
     """
     at = np.arange(spaces.angles.size) if indices is None else indices
     right, left = (_side(spaces, side, at, own=True) for side in (spaces.right, spaces.left))
@@ -142,15 +139,12 @@ _LEAST_AREA = 1e-12
 def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Array]:
     """Length of the port opening of a tooth space at inlet and outlet.
 
+    Arc length on the tip circles between lens and port edge, to inlet and outlet. [m]
+
     Parameters
     ----------
     edges : tuple of float
         Angle from the mesh side of the centre line to the edges of inlet and outlet port. [rad]
-
-    Returns
-    -------
-    tuple of ndarray
-        Arc length on the tip circles between lens and port edge, to inlet and outlet. [m]
     """
     (inlet_edge, outlet_edge), tip = edges, abs(spaces.own.tip_radius)
     lens = _lens(spaces, own=True)
@@ -200,17 +194,14 @@ def groove_openings(
 ) -> dict[str, Array]:
     r"""Openings of the tooth spaces into the recesses of one face.
 
+    For each recess an array of shape (nodes, 2): area [m2] and hydraulic diameter [m].
+
     Parameters
     ----------
     polygons : mapping of name to ndarray, shape (n, 2)
         Outlines of the recesses. [m]
     depth : float
         Their depth. [m]
-
-    Returns
-    -------
-    dict
-        For each recess an array of shape (nodes, 2): area [m2] and hydraulic diameter [m].
 
     Notes
     -----

@@ -128,17 +128,14 @@ class RingGear:
 def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:
     """Teeth of a ring as one closed curve about its centre.
 
+    Counter-clockwise, shape (n, 2). [m]
+
     Parameters
     ----------
     points : int
         Intervals on one pitch.
     rotation : float
         Angle of a tooth from the x axis. [rad]
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Counter-clockwise. [m]
     """
     half, _ = ring.half_pitch(points // 2)
     pitch: Array = np.vstack([half[:0:-1] * (1.0, -1.0), half])[:-1]
@@ -272,6 +269,8 @@ def pair_from_backlash(
 ) -> InternalPair:
     r"""Pinion in a ring at the centre distance that leaves a given normal backlash.
 
+    Raises GeometryError if no operating pressure angle exists.
+
     Parameters
     ----------
     pinion : InvoluteGear
@@ -280,11 +279,6 @@ def pair_from_backlash(
         Ring gear of equal module and pressure angle, with more teeth.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Raises
-    ------
-    GeometryError
-        If no operating pressure angle exists.
 
     Notes
     -----

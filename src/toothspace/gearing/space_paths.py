@@ -256,17 +256,14 @@ class ToothSpaces:
     def lateral(self, height: float, space_area: float) -> FlowPath:
         """Gaps over the tooth faces, from the space behind to the space ahead.
 
+        A land as wide as the teeth are high and as long as they are thick in the mean.
+
         Parameters
         ----------
         height : float
             Film height. [m]
         space_area : float
             Area of a space up to the tip circle, out of mesh. [m2]
-
-        Returns
-        -------
-        FlowPath
-            A land as wide as the teeth are high and as long as they are thick in the mean.
         """
         tip, root = (abs(r) for r in (self.spaces.own.tip_radius, self.gears.root_radii[self.gear]))
         depth, middle = abs(tip - root), 0.5 * (tip + root)
@@ -284,17 +281,14 @@ class ToothSpaces:
     def drain(self, height: float, radii: tuple[float, float]) -> FlowPath:
         """Gaps over the land behind the tooth roots, to the drain.
 
+        The path, :func:`~toothspace.closures.gap_flow.ring_sector_gap`.
+
         Parameters
         ----------
         height : float
             Film height. [m]
         radii : tuple of float
             Inner and outer radius of the land, which leaks as a ring sector does. [m]
-
-        Returns
-        -------
-        FlowPath
-            The path, :func:`~toothspace.closures.gap_flow.ring_sector_gap`.
         """
         sector = ring_sector_gap(*radii, abs(self.spaces.own.pitch_angle))
         row, node = np.array([height, *sector]), self.numbering.drain

@@ -76,10 +76,7 @@ def other_end(spaces: Spaces, side: Throats) -> ThroatEnd:
 def section_areas(spaces: Spaces) -> Array:
     r"""Section area of the tooth spaces.
 
-    Returns
-    -------
-    ndarray
-        Area inside the tip circles, up to the throats. [m2]
+    Area inside the tip circles, up to the throats. [m2]
 
     Notes
     -----
@@ -104,17 +101,14 @@ def section_areas(spaces: Spaces) -> Array:
 def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
     """Where pressure on a gear's wall changes from one chamber to the next.
 
+    Middle of the throat, middle of the tip land where there is no throat, shape (angles, 2). [m]
+
     Parameters
     ----------
     side : Throats
         Their left or right throats.
     of_own : bool
         Whether the wall belongs to the gear of the spaces or to the other gear.
-
-    Returns
-    -------
-    ndarray, shape (angles, 2)
-        Middle of the throat, middle of the tip land where there is no throat. [m]
     """
     drive_wall = of_own == spaces.is_drive
     tooth = spaces.own if of_own else spaces.other
@@ -132,10 +126,7 @@ def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
 def area_by_motion(spaces: Spaces) -> Array:
     r"""Derivative of the section areas with respect to the micro-motions of both gears.
 
-    Returns
-    -------
-    ndarray, shape (angles, 5)
-        Drive x, drive y, driven x, driven y [m2/m], driven rotation [m2/rad].
+    Drive x, drive y, driven x, driven y [m2/m], driven rotation [m2/rad], shape (angles, 5).
 
     Notes
     -----

@@ -15,17 +15,15 @@ from toothspace.geometry.gear_profile import GearProfile
 def spline_coefficients(knots: Array, values: Array) -> Array:
     """Cubic spline with two continuous derivatives, its third also at the second knots.
 
+    Coefficients of the powers 0 to 3 of the distance to the left knot of each interval, shape (n -
+    1, channels, 4).
+
     Parameters
     ----------
     knots : ndarray, shape (n,)
         Increasing, n >= 2; three give a parabola, two a line. [unit of the abscissa]
     values : ndarray, shape (n, channels)
         Values at the knots.
-
-    Returns
-    -------
-    ndarray, shape (n - 1, channels, 4)
-        Coefficients of the powers 0 to 3 of the distance to the left knot of each interval.
 
     Notes
     -----
@@ -116,15 +114,12 @@ class Tooth(NamedTuple):
 def tooth_curves(profile: GearProfile) -> Tooth:
     """Splines through both flanks of a profile.
 
+    Flanks from root middle to tip corner.
+
     Parameters
     ----------
     profile : GearProfile
         One tooth pitch.
-
-    Returns
-    -------
-    Tooth
-        Flanks from root middle to tip corner.
     """
     radius = profile.tip_radius
     breaks = np.asarray(profile.breaks, dtype=int)
@@ -163,13 +158,7 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
         for first, last in pairwise(cuts)
     ]
     coefficients = np.ascontiguousarray(np.vstack(pieces))
-    area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
-    x, y = np.sign(tip_radius) * points[-1]
-    corner = float(np.arctan2(y, x))
-    return Flank(knots, coefficients, area, side, corner, tip_radius)
-
-
-def _segment_areas(knots: Array, coefficients: Array) -> Array:
+    # area that every segment sweeps about the centre: three Gauss points are exact for cubics
     steps = np.diff(knots)
     nodes, weights = np.polynomial.legendre.leggauss(3)
     total = np.zeros_like(steps)
@@ -181,7 +170,10 @@ def _segment_areas(knots: Array, coefficients: Array) -> Array:
         dx = c[1] + t * (2.0 * c[2] + 3.0 * t * c[3])
         dy = c[5] + t * (2.0 * c[6] + 3.0 * t * c[7])
         total += 0.25 * steps * weight * (x * dy - y * dx)
-    return total
+    area = np.concatenate([[0.0], np.cumsum(total)])
+    x, y = np.sign(tip_radius) * points[-1]
+    corner = float(np.arctan2(y, x))
+    return Flank(knots, coefficients, area, side, corner, tip_radius)
 
 
 @inlined

@@ -123,6 +123,10 @@ def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
 def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
     """Cut a closed mesh with a plane.
 
+    Closed curves, shape (n, 2). Where the surface runs parallel to the normal, the points are
+    corners of the mesh, which lie on the surface that was meshed, instead of places inside its
+    facets. [m]
+
     Parameters
     ----------
     mesh : SurfaceMesh
@@ -131,13 +135,6 @@ def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
         Rows: x and y direction of the section and its normal.
     height : float
         Distance of the plane from the origin along the normal. [m]
-
-    Returns
-    -------
-    list of ndarray
-        Closed curves, shape (n, 2). Where the surface runs parallel to the normal, the points are
-        corners of the mesh, which lie on the surface that was meshed, instead of places inside
-        its facets. [m]
     """
     local = mesh.vertices @ frame.T
     above = local[:, 2] > height
@@ -171,16 +168,13 @@ def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
 def axis_frame(axis: Array) -> Array:
     """Right-handed frame whose third row is the unit vector along an axis.
 
+    Rows x, y, normal; the frame of the file for the z axis, y and z for the x axis, z and x for the
+    y axis, shape (3, 3).
+
     Parameters
     ----------
     axis : ndarray, shape (3,)
         Direction, any length. [-]
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        Rows x, y, normal; the frame of the file for the z axis, y and z for the x axis, z and x
-        for the y axis.
     """
     normal = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
     main = int(np.argmax(np.abs(normal)))
@@ -206,16 +200,13 @@ def flat_levels(mesh: SurfaceMesh, axis: Array) -> list[float]:
 def likely_axes(mesh: SurfaceMesh) -> list[Array]:
     r"""Directions that may be the axis of a body with teeth, best first.
 
+    Unit vectors [-]: the direction that differs from the two others in the area of the surface
+    facing it, which repeated teeth make equal; then z, x and y.
+
     Parameters
     ----------
     mesh : SurfaceMesh
         One body.
-
-    Returns
-    -------
-    list of ndarray
-        Unit vectors [-]: the direction that differs from the two others in the area of the surface
-        facing it, which repeated teeth make equal; then z, x and y.
 
     Notes
     -----
@@ -357,22 +348,16 @@ class BodySection:
 def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[BodySection]:
     """Cut the bodies of a file.
 
+    One for each body that the plane meets, largest volume first.
+
+    Raises GeometryError for an unknown body or part, or a plane outside all bodies.
+
     Parameters
     ----------
     file : str
         Name of the file for error messages.
     bodies : list of SolidBody
         Bodies in any order.
-
-    Returns
-    -------
-    list of BodySection
-        One for each body that the plane meets, largest volume first.
-
-    Raises
-    ------
-    GeometryError
-        For an unknown body or part, or a plane outside all bodies.
     """
     ordered = sorted(bodies, key=lambda body: -body.mesh.volume)
     numbers = _chosen(file, ordered, request)

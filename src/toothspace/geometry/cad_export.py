@@ -63,6 +63,8 @@ def gear_section(profile: GearProfile) -> Section:
 def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float = 1e-3) -> None:
     """Write a whole gear; see :func:`gear_section` and :func:`export_section`.
 
+    Raises GeometryError as :func:`export_section`.
+
     Parameters
     ----------
     profile : GearProfile
@@ -73,17 +75,15 @@ def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float
         Tooth length, used by the solids. [m]
     unit : float
         Length of one unit of the file; STEP files are always in mm. [m]
-
-    Raises
-    ------
-    GeometryError
-        As :func:`export_section`.
     """
     export_section(gear_section(profile), path, face_width, unit)
 
 
 def export_section(section: Section, path: Path, width: float, unit: float = 1e-3) -> None:
     """Write a section; the format follows the suffix of the file.
+
+    Raises GeometryError for another suffix, a width that is not positive, or if the optional
+    package for the format is missing.
 
     Parameters
     ----------
@@ -95,12 +95,6 @@ def export_section(section: Section, path: Path, width: float, unit: float = 1e-
         Height of the solid. [m]
     unit : float
         Length of one unit of the file; STEP files are always in mm. [m]
-
-    Raises
-    ------
-    GeometryError
-        For another suffix, a width that is not positive, or if the optional package for the
-        format is missing.
     """
     path = Path(path)
     writers: dict[str, Callable[[], bytes]] = {
@@ -212,15 +206,12 @@ def step_face(section: Section) -> Any:
 def smooth_pieces(curve: Array) -> list[Array]:
     """Cut a closed curve at its corners, or into two halves where it has fewer than two.
 
+    Pieces; each starts where the previous one ends, the last one ends at the first. [m]
+
     Parameters
     ----------
     curve : ndarray, shape (n, 2)
         Closed curve, first point not repeated. [m]
-
-    Returns
-    -------
-    list of ndarray
-        Pieces; each starts where the previous one ends, the last one ends at the first. [m]
     """
     edge = np.roll(curve, -1, axis=0) - curve
     before = np.roll(edge, 1, axis=0)

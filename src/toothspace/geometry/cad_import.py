@@ -47,6 +47,11 @@ def load_closed_curves(
 ) -> list[Array]:
     """Read every closed curve of a file, or take the one of given points.
 
+    Curves, shape (n, 2), the first point not repeated, largest area first. [m]
+
+    Raises GeometryError for a missing, empty, damaged or unknown file, an open curve or a body that
+    is not closed; the message names the file, what was found and what is allowed.
+
     Parameters
     ----------
     path : Path or Points
@@ -57,17 +62,6 @@ def load_closed_curves(
         Length of one unit of the file; STEP files carry their own. [m]
     layer : str or None
         DXF layer; None for all.
-
-    Returns
-    -------
-    list of ndarray
-        Curves, shape (n, 2), the first point not repeated, largest area first. [m]
-
-    Raises
-    ------
-    GeometryError
-        For a missing, empty, damaged or unknown file, an open curve or a body that is not closed;
-        the message names the file, what was found and what is allowed.
     """
     if isinstance(path, Points):
         curves = [unit * np.asarray(path)]
@@ -89,22 +83,16 @@ def load_closed_curves(
 def load_polygons(path: Path | Points, unit: float) -> list[Array]:
     """Read the closed curves of a DXF or text file as polygons.
 
+    Polygons, counter-clockwise, largest first. [m]
+
+    Raises GeometryError as ``checked_polygon`` and ``load_closed_curves``.
+
     Parameters
     ----------
     path : Path or Points
         File with suffix ``.dxf``, ``.txt`` or ``.csv``, or points in place of one.
     unit : float
         Length of one unit of the file. [m]
-
-    Returns
-    -------
-    list of ndarray
-        Polygons, counter-clockwise, largest first. [m]
-
-    Raises
-    ------
-    GeometryError
-        As ``checked_polygon`` and ``load_closed_curves``.
     """
     return [checked_polygon(curve, path.name) for curve in load_closed_curves(path, unit)]
 
@@ -112,22 +100,16 @@ def load_polygons(path: Path | Points, unit: float) -> list[Array]:
 def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
     """Cut the bodies of an STL or STEP file.
 
+    One for each body that the plane meets, largest volume first.
+
+    Raises GeometryError as ``load_closed_curves``.
+
     Parameters
     ----------
     path : Path
         ``.stl``, ``.step`` or ``.stp``.
     unit : float
         Length of one unit of the file; STEP files carry their own. [m]
-
-    Returns
-    -------
-    list of BodySection
-        One for each body that the plane meets, largest volume first.
-
-    Raises
-    ------
-    GeometryError
-        As ``load_closed_curves``.
     """
     with reading(_present(path), "an intact file"):
         return solid_sections(path, unit, request)
@@ -164,6 +146,10 @@ def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
 def chain_closed(pieces: list[Array], tolerance: float, name: str) -> list[Array]:
     """Join open pieces end to end into closed curves.
 
+    Closed curves, the first point not repeated. [m]
+
+    Raises GeometryError if an end has no partner.
+
     Parameters
     ----------
     pieces : list of ndarray
@@ -172,16 +158,6 @@ def chain_closed(pieces: list[Array], tolerance: float, name: str) -> list[Array
         Largest distance between ends that belong together. [m]
     name : str
         File name for error messages.
-
-    Returns
-    -------
-    list of ndarray
-        Closed curves, the first point not repeated. [m]
-
-    Raises
-    ------
-    GeometryError
-        If an end has no partner.
     """
     remaining, closed = list(pieces), []
     while remaining:
@@ -218,6 +194,11 @@ _STYLES = ((r"\s*;\s*", ","), (r"\s*;\s*", "."), (r"\s*,\s*", "."), (r"\s+", "."
 def read_point_file(path: Path, unit: float) -> list[Array]:
     """Read curves from columns of numbers.
 
+    Curves in the order of the file, shape (n, 2). [m]
+
+    Raises GeometryError for binary files, other encodings, lines that are not numbers and values
+    that are not finite.
+
     Parameters
     ----------
     path : Path
@@ -226,17 +207,6 @@ def read_point_file(path: Path, unit: float) -> list[Array]:
         an empty line begins a new curve.
     unit : float
         Length of one unit of the file. [m]
-
-    Returns
-    -------
-    list of ndarray
-        Curves in the order of the file, shape (n, 2). [m]
-
-    Raises
-    ------
-    GeometryError
-        For binary files, other encodings, lines that are not numbers and values that are not
-        finite.
     """
     lines = _decoded(path).splitlines()
     # the style in which most lines are numbers
@@ -302,23 +272,17 @@ _RELATIVE_GAP = 1e-5
 def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
     """Read the closed curves of a drawing's model space.
 
+    Curves, shape (n, 2): closed polylines with bulges, splines, circles, ellipses, and chains of
+    lines, arcs and open pieces that meet within 1e-5 of the drawing's size. [m]
+
+    Raises GeometryError for damaged files, open curves, unknown layers and drawings without curves.
+
     Parameters
     ----------
     unit : float
         Length of one unit of the drawing. [m]
     layer : str or None
         Layer to read; None for all.
-
-    Returns
-    -------
-    list of ndarray
-        Curves, shape (n, 2): closed polylines with bulges, splines, circles, ellipses, and chains
-        of lines, arcs and open pieces that meet within 1e-5 of the drawing's size. [m]
-
-    Raises
-    ------
-    GeometryError
-        For damaged files, open curves, unknown layers and drawings without curves.
     """
     ezdxf = package_of_extra("ezdxf", "cad", f"{path}: found a DXF file")
     try:
@@ -388,24 +352,18 @@ _MERGE_TOLERANCES = (0.0, 1e-8, 1e-7, 1e-6)
 def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
     """Cut the bodies of a solid file.
 
+    Sections, largest body first.
+
+    Raises GeometryError for files that cannot be read within the limits of the reading process,
+    truncated files, bodies that are not closed, a plane outside the bodies, or if the optional
+    package for the format is missing.
+
     Parameters
     ----------
     path : Path
         STEP, ASCII or binary STL file.
     unit : float
         Length of one unit of an STL file; STEP files carry their own. [m]
-
-    Returns
-    -------
-    list of BodySection
-        Sections, largest body first.
-
-    Raises
-    ------
-    GeometryError
-        For files that cannot be read within the limits of the reading process, truncated files,
-        bodies that are not closed, a plane outside the bodies, or if the optional package for the
-        format is missing.
     """
     if path.suffix.lower() == ".stl":
         if path.stat().st_size > READ_HERE:

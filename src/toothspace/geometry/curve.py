@@ -173,15 +173,12 @@ def counter_clockwise(points: Array) -> Array:
 def first_self_crossing(points: Array) -> tuple[float, float] | None:
     """Place where a closed curve crosses or touches itself.
 
+    One crossing point; None for a simple curve. [m]
+
     Parameters
     ----------
     points : ndarray
         Points of a closed curve, shape (n, 2). [m]
-
-    Returns
-    -------
-    tuple of float or None
-        One crossing point; None for a simple curve. [m]
     """
     import shapely
     from shapely.validation import explain_validity
@@ -210,18 +207,15 @@ def even_points(points: Array, count: int) -> Array:
 def resample_by_curvature(points: Array, count: int) -> Array:
     """Smooth open curve with points close together where it bends.
 
+    Points, shape (count + 1, 2), on the cubic spline through the given points; half of them spread
+    evenly, half by the angle that the curve turns through. [m]
+
     Parameters
     ----------
     points : ndarray
         Points of a smooth open curve, shape (n, 2), n >= 4. [m]
     count : int
         Number of intervals wanted.
-
-    Returns
-    -------
-    ndarray
-        Points, shape (count + 1, 2), on the cubic spline through the given points; half of them
-        spread evenly, half by the angle that the curve turns through. [m]
     """
     from scipy.interpolate import CubicSpline
 
@@ -240,15 +234,12 @@ def resample_by_curvature(points: Array, count: int) -> Array:
 def chord_heights(points: Array) -> Array:
     r"""Distance of every edge of a closed polygon from the smooth curve through its corners.
 
+    Chord height of the edge that begins at each point, shape (n,). [m]
+
     Parameters
     ----------
     points : ndarray
         Corners, shape (n, 2). [m]
-
-    Returns
-    -------
-    ndarray
-        Chord height of the edge that begins at each point, shape (n,). [m]
 
     Notes
     -----
@@ -266,15 +257,12 @@ def chord_heights(points: Array) -> Array:
 def with_arcs(points: Array) -> Array:
     r"""Closed polyline whose chords of circles are replaced by the circles.
 
+    The curve with points between the given ones, shape (m, 2). [m]
+
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         Closed curve, first point not repeated. [m]
-
-    Returns
-    -------
-    ndarray, shape (m, 2)
-        The curve with points between the given ones. [m]
 
     Notes
     -----
@@ -310,22 +298,17 @@ _SMALLEST, _LARGEST = 1e-4, 10.0
 def checked_polygon(points: Array, key: str) -> Array:
     """Check that a closed curve encloses an area without crossing itself.
 
+    Points, counter-clockwise, no point repeated. [m]
+
+    Raises GeometryError for fewer than three points, values that are not finite, a self-crossing or
+    no area.
+
     Parameters
     ----------
     points : ndarray
         Points of the closed curve, shape (n, 2); the first may be repeated at the end. [m]
     key : str
         Name for error messages.
-
-    Returns
-    -------
-    ndarray
-        Points, counter-clockwise, no point repeated. [m]
-
-    Raises
-    ------
-    GeometryError
-        For fewer than three points, values that are not finite, a self-crossing or no area.
     """
     if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0:
         raise GeometryError(key, "an empty curve", "a closed curve of 3 points")
@@ -355,15 +338,12 @@ def checked_polygon(points: Array, key: str) -> Array:
 def enclosed(outlines: Sequence[Array]) -> Any:
     """Areas that outlines enclose, also where they touch or cross themselves by rounding.
 
+    Polygons, several for an outline that is pinched, without loops of the other sense.
+
     Parameters
     ----------
     outlines : sequence of ndarray, shape (n, 2)
         Closed curves. [m]
-
-    Returns
-    -------
-    ndarray of shapely geometry
-        Polygons, several for an outline that is pinched, without loops of the other sense.
     """
     import shapely
 

@@ -59,15 +59,12 @@ class GearData:
 def gear_data(profile: GearProfile) -> GearData | None:
     r"""Data of the gear behind a profile with involute flanks.
 
+    The data; None where the flanks are no involutes.
+
     Parameters
     ----------
     profile : GearProfile
         One tooth pitch.
-
-    Returns
-    -------
-    GearData or None
-        The data; None where the flanks are no involutes.
 
     Notes
     -----
@@ -123,16 +120,13 @@ CERTAIN_BASE_DIAMETER = 3e-6
 def file_report(contents: FileContents, center_distance: float | None = None) -> dict[str, object]:
     """Numbers of all gears of a file and of the pairs that they form.
 
+    ``gears``, ``pairs`` and ``other_bodies``; names carry their units.
+
     Parameters
     ----------
     center_distance : float or None
         Distance at which the backlash is wanted: of the first two gears, or of one gear with its
         equal. [m]
-
-    Returns
-    -------
-    dict
-        ``gears``, ``pairs`` and ``other_bodies``; names carry their units.
     """
     pairs = [pair_report(*two) for two in combinations(contents.gears, 2)]
     if center_distance is not None:
@@ -151,15 +145,12 @@ def file_report(contents: FileContents, center_distance: float | None = None) ->
 def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[str]:
     """Units in which the largest gear has a standard module, where it has none as read.
 
+    Names of the units, empty if the gear is a standard one as read.
+
     Parameters
     ----------
     scales : mapping
         Length of each unit over the one that the file was read in. [-]
-
-    Returns
-    -------
-    list of str
-        Names of the units, empty if the gear is a standard one as read.
     """
     profile = contents.gears[0].detected.profile
     data = gear_data(profile)
@@ -172,10 +163,7 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
 def flank_warnings(contents: FileContents) -> list[str]:
     """What the flanks of the gears leave uncertain: base diameters not known to 3 um.
 
-    Returns
-    -------
-    list of str
-        One line for each such gear, with its form error and chords.
+    One line for each such gear, with its form error and chords.
     """
     lines = []
     for gear in contents.gears:

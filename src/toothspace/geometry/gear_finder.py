@@ -85,6 +85,9 @@ def find_gears(
 ) -> FileContents:
     """Find the gears in a CAD file or a file of points.
 
+    Raises GeometryError for a file that cannot be read or holds no gear; the message names the
+    section.
+
     Parameters
     ----------
     path : Path or Points
@@ -97,38 +100,29 @@ def find_gears(
         DXF layer; None for all.
     tooth_count : int or None
         Needed for the outline of a single pitch.
-
-    Raises
-    ------
-    GeometryError
-        For a file that cannot be read or holds no gear; the message names the section.
     """
     with reading(path, "the closed outline of a gear with equal teeth"):
         if is_solid(path):
             return _gears_of_solids(path, unit, request or SectionRequest())
-        return _gears_of_curves(path, unit, layer, tooth_count)
-
-
-def _gears_of_curves(
-    path: Path | Points, unit: float, layer: str | None, tooth_count: int | None
-) -> FileContents:
-    curves = load_closed_curves(path, unit, layer=layer)
-    toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
-    if tooth_count is not None or not toothed:
-        toothed = curves[:1]
-    gears = []
-    for curve in toothed:
-        detected = gear_profile_from_curve(curve, key=str(path), tooth_count=tooth_count)
-        center = np.array([*detected.center, 0.0])
-        axis = np.array([0.0, 0.0, 1.0])
-        gears.append(FoundGear(path, "", detected, None, axis, center, None, 0.0, 0.0))
-    return FileContents(_by_size(gears), ())
+        curves = load_closed_curves(path, unit, layer=layer)
+        toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
+        if tooth_count is not None or not toothed:
+            toothed = curves[:1]
+        gears = []
+        for curve in toothed:
+            detected = gear_profile_from_curve(curve, key=str(path), tooth_count=tooth_count)
+            center = np.array([*detected.center, 0.0])
+            axis = np.array([0.0, 0.0, 1.0])
+            gears.append(FoundGear(path, "", detected, None, axis, center, None, 0.0, 0.0))
+        return FileContents(_by_size(gears), ())
 
 
 def find_in_files(
     paths: Iterable[Path], unit: float, request: SectionRequest | None = None
 ) -> FileContents:
     """Gears and other bodies of files that were drawn in one frame; see ``find_gears``.
+
+    Raises GeometryError if no file holds a gear, or one cannot be read.
 
     Parameters
     ----------
@@ -138,11 +132,6 @@ def find_in_files(
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
         Axis and plane of gears in solid files; None to find them.
-
-    Raises
-    ------
-    GeometryError
-        If no file holds a gear, or one cannot be read.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []

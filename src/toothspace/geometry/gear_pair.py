@@ -77,17 +77,14 @@ class InvolutePair(ABC, Generic[Real]):
     def sealing_window(self, flank_sealing: Sealing = "single") -> tuple[Real, Real]:
         """Positions of the sealing contact over one pitch, as near the pitch point as can be.
 
+        Window: with two pairs in contact the one nearer to the pitch point gives more flow. About
+        the middle of a path that is shorter than the window. [m]
+
         Parameters
         ----------
         flank_sealing : str
             ``single``: one flank seals and the contact that seals moves over one base pitch;
             ``dual``: both flanks seal, it moves over half a base pitch.
-
-        Returns
-        -------
-        tuple
-            Window: with two pairs in contact the one nearer to the pitch point gives more flow.
-            About the middle of a path that is shorter than the window. [m]
         """
         start, end = self.path_of_contact
         span = self.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
@@ -99,17 +96,14 @@ class InvolutePair(ABC, Generic[Real]):
     def flow_per_radian(self, face_width: FloatOrArray, position: FloatOrArray) -> FloatOrArray:
         r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
 
+        Flow rate over shaft speed. [m3/rad]
+
         Parameters
         ----------
         face_width : float
             Tooth length. [m]
         position : float or ndarray
             Distance of the sealing contact from the pitch point. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Flow rate over shaft speed. [m3/rad]
 
         Notes
         -----
@@ -135,17 +129,14 @@ class InvolutePair(ABC, Generic[Real]):
     ) -> Real:
         """Geometric displacement per radian of the shaft.
 
+        Mean of :meth:`flow_per_radian` over the window. [m3/rad]
+
         Parameters
         ----------
         face_width : float
             Tooth length. [m]
         flank_sealing : str
             ``single`` or ``dual``, as in :meth:`sealing_window`.
-
-        Returns
-        -------
-        float
-            Mean of :meth:`flow_per_radian` over the window. [m3/rad]
         """
         first, last = self.sealing_window(flank_sealing)
         mean_square = (first**2 + first * last + last**2) / 3.0
@@ -288,17 +279,15 @@ def pair_from_backlash(
 ) -> GearPair:
     r"""Gears at the centre distance that leaves a given normal backlash.
 
+    Raises GeometryError for unequal base pitches, backlash outside 0 to half a module, or no
+    solution.
+
     Parameters
     ----------
     drive, driven : InvoluteGear
         Gears of equal base pitch.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Raises
-    ------
-    GeometryError
-        For unequal base pitches, backlash outside 0 to half a module, or no solution.
 
     Notes
     -----
@@ -333,18 +322,15 @@ def pair_from_center_distance(
 ) -> GearPair:
     """Gears at a given centre distance; the backlash follows.
 
+    Raises GeometryError for unequal base pitches, or a distance at which flanks or roots interfere
+    or the teeth do not mesh.
+
     Parameters
     ----------
     drive, driven : InvoluteGear
         Gears of equal base pitch.
     center_distance : float
         Distance of the gear centres. [m]
-
-    Raises
-    ------
-    GeometryError
-        For unequal base pitches, or a distance at which flanks or roots interfere or the teeth
-        do not mesh.
     """
     _check_base_pitch(drive, driven)
     tight = pair_from_backlash(drive, driven, 0.0).center_distance
@@ -361,15 +347,12 @@ def pair_from_center_distance(
 def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     r"""Volume by which the sealed mesh chamber shrinks from the second contact to its minimum.
 
+    Volume that relief grooves must pass, 0 for a contact ratio of at most 1. [m3]
+
     Parameters
     ----------
     face_width : float
         Tooth length. [m]
-
-    Returns
-    -------
-    float
-        Volume that relief grooves must pass, 0 for a contact ratio of at most 1. [m3]
 
     Notes
     -----
@@ -409,30 +392,29 @@ def _checked(pair: GearPair) -> GearPair:
             "tip_diameter", f"a contact ratio of {pair.contact_ratio:.3f}", "above 0"
         )
     if min(pair.involute_margins) < 0.0:
-        _check_overlap(pair)
+        # a tip below the involute may still clear the fillet
+        drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
+        distance = np.array([pair.center_distance])
+        play = np.minimum(
+            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
+        ).item()
+        if play < -LARGEST_OVERLAP:
+            tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
+            raise GeometryError(
+                "tip_diameter",
+                f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
+                "smaller tips or a larger profile_shift",
+            )
     return pair
-
-
-def _check_overlap(pair: GearPair) -> None:
-    # a tip below the involute may still clear the fillet
-    drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
-    distance = np.array([pair.center_distance])
-    play = np.minimum(
-        drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
-    ).item()
-    if play < -LARGEST_OVERLAP:
-        tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
-        raise GeometryError(
-            "tip_diameter",
-            f"{tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root fillet",
-            "smaller tips or a larger profile_shift",
-        )
 
 
 def flank_clearance(
     drive: GearProfile, driven: GearProfile, center_distance: float, phases: int = 161
 ) -> float:
     """Smallest circumferential play between two profiles that roll with centred backlash.
+
+    Arc length between a tooth and the flanks of the mating space, about half the circumferential
+    backlash; negative where the gears overlap. [m]
 
     Parameters
     ----------
@@ -442,12 +424,6 @@ def flank_clearance(
         Distance of the gear centres. [m]
     phases : int
         Number of positions over the passage of a tooth.
-
-    Returns
-    -------
-    float
-        Arc length between a tooth and the flanks of the mating space, about half the
-        circumferential backlash; negative where the gears overlap. [m]
     """
     return min(
         _clearance_in_space(drive, driven, center_distance, phases),
@@ -458,17 +434,14 @@ def flank_clearance(
 def normal_play(profiles: tuple[GearProfile, GearProfile], distance: float) -> float:
     r"""Normal backlash of two profiles, negative where they overlap.
 
+    Play along the common normal. [m]
+
     Parameters
     ----------
     profiles : tuple of GearProfile
         Drive and driven gear.
     distance : float
         Distance of the centres. [m]
-
-    Returns
-    -------
-    float
-        Play along the common normal. [m]
 
     Notes
     -----

@@ -144,17 +144,14 @@ class GearProfile:
     ) -> Array:
         """Outline of the whole gear.
 
+        Points, shape (tooth_count (n - 1), 2), counter-clockwise, not repeated at the end. [m]
+
         Parameters
         ----------
         rotation : float
             Angle of the first tooth from the x axis, counter-clockwise. [rad]
         center : tuple of float
             Position of the gear centre. [m]
-
-        Returns
-        -------
-        ndarray
-            Points, shape (tooth_count (n - 1), 2), counter-clockwise, not repeated at the end. [m]
         """
         angles = rotation + self.pitch_angle * np.arange(self.tooth_count, dtype=float)
         return turned_copies(self.points[:-1], angles) + np.asarray(center, dtype=float)

@@ -53,11 +53,8 @@ class ToothForm:
 def tooth_form(gear: InvoluteGear) -> ToothForm:
     """Junctions of root fillet, involute, tip rounding and tip land.
 
-    Raises
-    ------
-    GeometryError
-        If the root circle vanishes, the tooth is pointed below its tip circle, the tip rounding
-        does not fit, or undercut leaves no involute.
+    Raises GeometryError if the root circle vanishes, the tooth is pointed below its tip circle, the
+    tip rounding does not fit, or undercut leaves no involute.
     """
     if gear.root_radius <= 0.05 * gear.module:
         raise GeometryError(
@@ -97,21 +94,15 @@ def tooth_form(gear: InvoluteGear) -> ToothForm:
 def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearProfile:
     r"""Tooth profile that a rounded rack cuts, with every point on the exact curve.
 
+    One pitch with ``points_per_tooth + 1`` points, closer together at the junctions of tip, flank,
+    fillet and root so that a cubic spline through a flank stays exact.
+
+    Raises GeometryError as ``tooth_form``, and for a number of points outside 40 to 20000 or odd.
+
     Parameters
     ----------
     points_per_tooth : int
         Number of intervals on one pitch, even, at least 40.
-
-    Returns
-    -------
-    GearProfile
-        One pitch with ``points_per_tooth + 1`` points, closer together at the junctions of tip,
-        flank, fillet and root so that a cubic spline through a flank stays exact.
-
-    Raises
-    ------
-    GeometryError
-        As ``tooth_form``, and for a number of points outside 40 to 20000 or odd.
 
     Notes
     -----
@@ -176,15 +167,12 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
 def involute_point(gear: InvoluteGear, radius: FloatOrArray) -> Array:
     """Points of the counter-clockwise flank's unlimited involute.
 
+    Points, shape (n, 2), tooth centred on the x axis. [m]
+
     Parameters
     ----------
     radius : float or ndarray
         Distances from the centre, at least the base radius. [m]
-
-    Returns
-    -------
-    ndarray
-        Points, shape (n, 2), tooth centred on the x axis. [m]
     """
     radii = np.atleast_1d(np.asarray(radius, dtype=float))
     return polar(radii, np.asarray(gear.half_angle(radii)))
@@ -193,16 +181,13 @@ def involute_point(gear: InvoluteGear, radius: FloatOrArray) -> Array:
 def fillet_point(gear: InvoluteGear, corner_angle: FloatOrArray) -> Array:
     """Points of the root fillet on the counter-clockwise side of the tooth.
 
+    Points, shape (n, 2), tooth centred on the x axis. [m]
+
     Parameters
     ----------
     corner_angle : float or ndarray
         Angle on the rack's tip corner, 0 at the rack tip, pi/2 - pressure_angle at the rack
         flank. [rad]
-
-    Returns
-    -------
-    ndarray
-        Points, shape (n, 2), tooth centred on the x axis. [m]
     """
     radii, space_angles = _fillet_polar(gear, np.atleast_1d(np.asarray(corner_angle, dtype=float)))
     return polar(radii, np.pi / gear.tooth_count - space_angles)

@@ -192,17 +192,14 @@ class InvoluteFit:
 def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     """Turn the flank points of a gear onto one tooth.
 
+    Points at which the outline rises or falls; those of root and tip circle are left out.
+
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         Closed outline about the gear centre. [m]
     phase : float
         Polar angle of a tooth axis. [rad]
-
-    Returns
-    -------
-    FlankPoints
-        Points at which the outline rises or falls; those of root and tip circle are left out.
     """
     pitch = 2.0 * np.pi / tooth_count
     radius = np.hypot(points[:, 0], points[:, 1])
@@ -222,16 +219,13 @@ def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
 def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> InvoluteFit | None:
     r"""Fit one involute to both flanks of a tooth and find where it begins and ends.
 
+    The fit; None where it leaves more than 1 % of the tooth height or covers less than 40 % of it,
+    so that the flank is no involute.
+
     Parameters
     ----------
     root_radius, tip_radius : float
         Ends of the tooth. [m]
-
-    Returns
-    -------
-    InvoluteFit or None
-        The fit; None where it leaves more than 1 % of the tooth height or covers less than
-        40 % of it, so that the flank is no involute.
 
     Notes
     -----
@@ -256,7 +250,14 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
     for _ in range(_ROUNDS):
         unknowns = _least_squares(sides, unknowns, low, high)
         nodes = {side: _nodes(sides[side], unknowns, side) for side in sides}
-        tolerance = _tolerance(nodes, low, high, height)
+        # the ends allow a multiple of the error of the flank found so far
+        inner = [
+            distance[(radius >= low) & (radius <= high)] for radius, distance in nodes.values()
+        ]
+        distance = np.abs(np.concatenate(inner))
+        error = float(np.quantile(distance, _MOST_OF_THEM)) if len(distance) else 0.0
+        least = _LEAST_TOLERANCE[len(distance) >= _MANY_NODES]
+        tolerance = max(_ERROR_FACTOR * error, least * height)
         ends = [_ends(*nodes[side], unknowns[0], tolerance, height, (low, high)) for side in nodes]
         found = max(end[0] for end in ends), min(end[1] for end in ends)
         if found[1] - found[0] < _SHORTEST * height:
@@ -314,15 +315,12 @@ def distance_from_involute(
 ) -> tuple[Array, Array]:
     """Roll length and distance along the normal of points beside an involute flank.
 
+    Roll length, 0 inside the base circle, and distance, positive for excess material. [m]
+
     Parameters
     ----------
     radius, angle : ndarray
         Polar coordinates, angles from the tooth axis towards the flank. [m], [rad]
-
-    Returns
-    -------
-    tuple of ndarray
-        Roll length, 0 inside the base circle, and distance, positive for excess material. [m]
     """
     unknowns = np.array([flank.base_radius, flank.base_half_angle, flank.base_half_angle])
     return flank.roll_length(radius), _distance(radius, angle, unknowns, LEFT)
@@ -354,6 +352,7 @@ def _inside(points: FlankPoints, low: float, high: float) -> FlankPoints:
 
 
 def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, high: float) -> Array:
+
     inside = {side: _inside(points, low, high) for side, points in sides.items()}
     first = [_distance(points.radius, points.angle, start, side) for side, points in inside.items()]
     scale = max(1.4826 * float(np.median(np.abs(np.concatenate(first)))), 1e-9)
@@ -385,16 +384,6 @@ def _nodes(points: FlankPoints, unknowns: Array, side: float) -> tuple[Array, Ar
     pairs = list(pairwise(edges))
     radius = np.array([np.median(points.radius[a:b]) for a, b in pairs])
     return radius, np.array([np.median(distance[a:b]) for a, b in pairs])
-
-
-def _tolerance(
-    nodes: dict[float, tuple[Array, Array]], low: float, high: float, height: float
-) -> float:
-    inner = [distance[(radius >= low) & (radius <= high)] for radius, distance in nodes.values()]
-    distance = np.abs(np.concatenate(inner))
-    error = float(np.quantile(distance, _MOST_OF_THEM)) if len(distance) else 0.0
-    least = _LEAST_TOLERANCE[len(distance) >= _MANY_NODES]
-    return max(_ERROR_FACTOR * error, least * height)
 
 
 def _ends(

@@ -68,15 +68,12 @@ class RackCutTeeth(Generic[Real]):
     def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
         """Half of the angular thickness of the unlimited involute tooth.
 
+        Half angle; negative above the point where the flanks cross. [rad]
+
         Parameters
         ----------
         radius : float or ndarray
             Distance from the centre, at least the base radius. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Half angle; negative above the point where the flanks cross. [rad]
         """
         angle = np.arccos(np.minimum(self.base_radius / np.asarray(radius), 1.0))
         return self.base_half_angle - involute_function(angle)
@@ -321,17 +318,6 @@ class InvoluteGears(RackCutTeeth[Array]):
         start = self.tip_radius * np.exp(1j * self.tip_half_angle)
         chord = np.imag(np.conj(center) * (end - start))
         rounding = np.where(radius > 0.0, 0.5 * (radius**2 * turn + chord), 0.0)
-        return 2.0 * (half + rounding + self._fillet_sector())
-
-    @cached_property
-    def _rounding(self) -> tuple[Any, Any, Array]:
-        """Centre and end of the tip rounding as complex numbers [m], angle of its arc [rad]."""
-        land = np.exp(1j * self.tip_half_angle)
-        center = (self.tip_radius - self.tip_rounding) * land
-        end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
-        return center, end, np.angle((end - center) * np.conj(land))
-
-    def _fillet_sector(self) -> Array:
         # over t, the tangent of the corner angle: depth d = y + rho c with c = 1/sqrt(1 + t^2)
         depth, _, rho = self._corner
         end, reference = self.fillet_end[0], self.reference_radius
@@ -344,7 +330,15 @@ class InvoluteGears(RackCutTeeth[Array]):
         lever += rho**2 * (end - angle)
         turning = reference**2 * end - 2.0 * reference * first + square + lever
         sector = reference * first - square + reference * slope - depth / reference * turning
-        return np.asarray(0.5 * sector)
+        return 2.0 * (half + rounding + np.asarray(0.5 * sector))
+
+    @cached_property
+    def _rounding(self) -> tuple[Any, Any, Array]:
+        """Centre and end of the tip rounding as complex numbers [m], angle of its arc [rad]."""
+        land = np.exp(1j * self.tip_half_angle)
+        center = (self.tip_radius - self.tip_rounding) * land
+        end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
+        return center, end, np.angle((end - center) * np.conj(land))
 
     @cached_property
     def reasons(self) -> IntArray:
@@ -392,18 +386,15 @@ class InvoluteGears(RackCutTeeth[Array]):
     def fillet_play(self, mating: InvoluteGears, center_distance: Array) -> Array:
         r"""Arc between the fillets and the mating tips as these pass, with centred backlash.
 
+        Smallest play, negative where a tip cuts into the root; infinite where none reaches the
+        fillet. [m]
+
         Parameters
         ----------
         mating : InvoluteGears
             Gears whose tips enter.
         center_distance : ndarray
             Distances of the centres. [m]
-
-        Returns
-        -------
-        ndarray
-            Smallest play, negative where a tip cuts into the root; infinite where none reaches
-            the fillet. [m]
 
         Notes
         -----

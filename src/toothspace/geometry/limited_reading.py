@@ -82,15 +82,12 @@ def _kept(path: Path, order: dict[str, Any]) -> Mapping[str, Any]:
 def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     """What the process finds in a file, as arrays by name, read anew.
 
+    Raises GeometryError for what the reader refuses, and where it fails or takes too long.
+
     Parameters
     ----------
     order : mapping
         ``unit`` [m], and ``request`` of a solid file or ``layer`` of a plane one.
-
-    Raises
-    ------
-    GeometryError
-        For what the reader refuses, and where it fails or takes too long.
     """
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "found.npz"

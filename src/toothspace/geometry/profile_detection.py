@@ -79,6 +79,10 @@ def gear_profile_from_curve(
 ) -> DetectedGear:
     r"""Gear in a closed outline of all its teeth, or of one pitch if the tooth count is given.
 
+    Median tooth, centre, phase, tooth count, deviation of every tooth.
+
+    Raises GeometryError for an empty or self-crossing curve, or one without 5 to 400 equal teeth.
+
     Parameters
     ----------
     points : ndarray
@@ -91,16 +95,6 @@ def gear_profile_from_curve(
         Needed for an outline of a single pitch, root middle to root middle with the gear centre at
         the origin and any connection inside the root; not used for a whole gear.
 
-    Returns
-    -------
-    DetectedGear
-        Median tooth, centre, phase, tooth count, deviation of every tooth.
-
-    Raises
-    ------
-    GeometryError
-        For an empty or self-crossing curve, or one without 5 to 400 equal teeth.
-
     Notes
     -----
     The tooth count is the strongest term of the area spectrum
@@ -112,7 +106,18 @@ def gear_profile_from_curve(
     """
     checked = checked_polygon(points, key)
     if tooth_count is not None and _polar_span(checked) < 1.5 * 2.0 * np.pi / tooth_count:
-        return _single_pitch(checked, tooth_count, points_per_tooth, key)
+        # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
+        radius = np.hypot(checked[:, 0], checked[:, 1])
+        outer = checked[radius > 1e-6 * radius.max()]
+        toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
+        upright = turned(outer, -toward)
+        radius = np.hypot(upright[:, 0], upright[:, 1])
+        angle = np.arctan2(upright[:, 1], upright[:, 0])
+        first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
+        last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
+        path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
+        found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
+        return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
     # the closed curve is cut at a corner or, without any, at an ordinary point
     corners = np.flatnonzero(_bends(np.vstack([checked[-1:], checked, checked[:1]])))
     rolled = np.roll(checked, -int(corners[0]) if len(corners) else 0, axis=0)
@@ -130,12 +135,20 @@ def gear_profile_from_curve(
     turn = _flank_symmetry(median)
     folded = folded_points(checked - center, teeth_found, phase + turn)
     found = _found(turned(median, -turn), folded, teeth_found, points_per_tooth)
+    # the largest distance of every tooth from the median one
+    normal, _ = _normals(median)
+    nearest = scipy.spatial.KDTree(median)
+    largest = []
+    for tooth in teeth:
+        index = nearest.query(tooth[::4])[1]
+        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
+        largest.append(float(np.abs(gap).max()))
     return replace(
         found,
         center=(float(center[0]), float(center[1])),
         phase=float((phase + turn + found.phase) % (2.0 * np.pi / teeth_found)),
         chord_height=_chord_height(checked - center),
-        tooth_deviation=_tooth_deviations(teeth, median),
+        tooth_deviation=np.array(largest),
         deviations=_flank_deviations(teeth, turn, found),
     )
 
@@ -191,6 +204,11 @@ def gear_profile_from_tooth(
 ) -> DetectedGear:
     """Gear from the open curve of a single pitch, root middle to root middle.
 
+    The pitch, tooth turned to the x axis; its phase is that of the curve.
+
+    Raises GeometryError if the curve does not span one pitch within 1 %, or its ends differ in
+    radius by over 1 %.
+
     Parameters
     ----------
     points : ndarray
@@ -199,16 +217,6 @@ def gear_profile_from_tooth(
         Number of intervals of the resulting pitch.
     key : str
         Name of the curve for error messages.
-
-    Returns
-    -------
-    DetectedGear
-        The pitch, tooth turned to the x axis; its phase is that of the curve.
-
-    Raises
-    ------
-    GeometryError
-        If the curve does not span one pitch within 1 %, or its ends differ in radius by over 1 %.
     """
     angle = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
     ordered = points if angle[-1] > angle[0] else points[::-1]
@@ -238,20 +246,6 @@ def _polar_span(points: Array) -> float:
     angle = np.sort(np.arctan2(outer[:, 1], outer[:, 0]))
     gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
     return float(2.0 * np.pi - gaps.max())
-
-
-def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: str) -> DetectedGear:
-    # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
-    radius = np.hypot(points[:, 0], points[:, 1])
-    outer = points[radius > 1e-6 * radius.max()]
-    toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
-    upright = turned(outer, -toward)
-    radius, angle = np.hypot(upright[:, 0], upright[:, 1]), np.arctan2(upright[:, 1], upright[:, 0])
-    first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
-    last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
-    path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
-    found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
-    return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
 
 
 def _smooth_open(points: Array) -> Array:
@@ -405,17 +399,6 @@ def _center_shift(teeth: Array, phase: float) -> Array:
     return np.linalg.solve(matrix, directions.T @ (weight * gap.ravel()))
 
 
-def _tooth_deviations(teeth: Array, median: Array) -> Array:
-    normal, _ = _normals(median)
-    nearest = scipy.spatial.KDTree(median)
-    largest = []
-    for tooth in teeth:
-        index = nearest.query(tooth[::4])[1]
-        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
-        largest.append(float(np.abs(gap).max()))
-    return np.array(largest)
-
-
 def _flank_symmetry(tooth: Array) -> float:
     # mean polar angle of both flanks at half height
     radius = np.hypot(tooth[:, 0], tooth[:, 1])
@@ -480,6 +463,9 @@ def fitted_profile(
 ) -> GearProfile:
     """Replace the flanks of an outline by the involute that fits them.
 
+    The pitch. Root fillet and tip rounding are those of the outline, turned about the centre by no
+    more than the outline leaves the involute at its ends.
+
     Parameters
     ----------
     right, left : ndarray, shape (n, 2)
@@ -489,12 +475,6 @@ def fitted_profile(
         The involute and its ends.
     points_per_tooth : int
         Number of intervals of the pitch, even.
-
-    Returns
-    -------
-    GearProfile
-        The pitch. Root fillet and tip rounding are those of the outline, turned about the centre
-        by no more than the outline leaves the involute at its ends.
     """
     tip_radius = float(max(np.hypot(*right[-1]), np.hypot(*left[0])))
     root_radius = 0.5 * float(np.hypot(*right[0]) + np.hypot(*left[-1]))

@@ -51,17 +51,14 @@ OWN_FRAME = MachineFrame(np.zeros(3), np.eye(3))
 def machine_frame(drive: FoundGear, driven: FoundGear, outlet: Array) -> MachineFrame:
     """Frame of two gears in one file.
 
+    Raises GeometryError if the direction does not lead across the centre line.
+
     Parameters
     ----------
     drive, driven : FoundGear
         Gears on parallel axes.
     outlet : ndarray, shape (3,)
         Unit vector in the file from the centre line towards the outlet. [-]
-
-    Raises
-    ------
-    GeometryError
-        If the direction does not lead across the centre line.
     """
     between = driven.center - drive.center
     up = between - drive.axis * (between @ drive.axis)
@@ -82,22 +79,16 @@ def machine_frame(drive: FoundGear, driven: FoundGear, outlet: Array) -> Machine
 def casing_cavity(curves: Sequence[Array], key: str) -> Array:
     """Outline of the space round the gears in a section of the casing.
 
+    Bores and what opens to them; passages to the outside end on the convex hull, shape (n, 2). [m]
+
+    Raises GeometryError if the casing does not surround the drive gear.
+
     Parameters
     ----------
     curves : sequence of ndarray
         Curves of the section, drive gear at the origin. [m]
     key : str
         Name for error messages.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Bores and what opens to them; passages to the outside end on the convex hull. [m]
-
-    Raises
-    ------
-    GeometryError
-        If the casing does not surround the drive gear.
     """
     material = _material(curves)
     # a hull that touches the outer walls would leave slivers along them
@@ -117,6 +108,9 @@ def face_recesses(
 ) -> list[Array]:
     """Outlines of the recesses in a face beside the gears.
 
+    Recesses that reach the teeth: material behind the face that it lacks, and passages through both
+    layers but the bores of the shafts. [m]
+
     Parameters
     ----------
     face, behind : sequence of ndarray
@@ -124,12 +118,6 @@ def face_recesses(
         may be empty. [m]
     gears : iterable of tuple
         Centre, shaft radius and tip radius of each gear. [m]
-
-    Returns
-    -------
-    list of ndarray
-        Recesses that reach the teeth: material behind the face that it lacks, and passages
-        through both layers but the bores of the shafts. [m]
     """
     lacking = _material(face)
     deeper = _material(behind)

@@ -28,20 +28,14 @@ _JOIN = 1e-7
 def step_bodies(path: Path) -> list[SolidBody]:
     """Solids of a STEP file; a damaged file can end the process.
 
+    Solids in the order of the file, placed as in the assembly.
+
+    Raises GeometryError for a file that cannot be read or holds no solid.
+
     Parameters
     ----------
     path : Path
         STEP file; its own length unit is used.
-
-    Returns
-    -------
-    list of SolidBody
-        Solids in the order of the file, placed as in the assembly.
-
-    Raises
-    ------
-    GeometryError
-        For a file that cannot be read or holds no solid.
     """
     silence_ocp()
     solids = _named_solids(path)

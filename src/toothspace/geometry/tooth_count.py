@@ -19,17 +19,14 @@ _LEAST_AREA = 1e-14
 def repeating_teeth(outline: Array, fewest: int = MIN_TOOTH_COUNT) -> int | None:
     r"""Number of equal teeth round the centroid of an outline.
 
+    Tooth count up to 400; None for an outline without repeating teeth.
+
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Closed curve. [m]
     fewest : int
         Fewest teeth that count, at least 2.
-
-    Returns
-    -------
-    int or None
-        Tooth count up to 400; None for an outline without repeating teeth.
 
     Notes
     -----
@@ -42,7 +39,15 @@ def repeating_teeth(outline: Array, fewest: int = MIN_TOOTH_COUNT) -> int | None
         return None
     points = counter_clockwise(outline)
     points = points - centroid(points)
-    spectrum = area_spectrum(points)
+    # magnitudes of the terms of the area over the angle about the origin [m2]
+    angle, area = area_elements(points)
+    place = angle / (2.0 * np.pi) * _SECTORS
+    sector = np.floor(place).astype(int)
+    # shared by two sectors, or even pieces of a circle would beat with the sectors like teeth
+    share = place - sector
+    total = np.bincount(sector % _SECTORS, (1.0 - share) * area, _SECTORS)
+    total += np.bincount((sector + 1) % _SECTORS, share * area, _SECTORS)
+    spectrum = np.asarray(np.abs(np.fft.rfft(total)))
     count = fewest + int(np.argmax(spectrum[fewest : MAX_TOOTH_COUNT + 1]))
     weak = spectrum[count] < SMALLEST_MODULATION * abs(signed_area(points))
     orders = np.arange(2, MAX_TOOTH_COUNT + 1)
@@ -58,18 +63,6 @@ def centroid(points: Array) -> Array:
     cross = local[:, 0] * following[:, 1] - following[:, 0] * local[:, 1]
     middle = (local + following) * cross[:, None]
     return np.asarray(start + middle.sum(axis=0) / (3.0 * cross.sum()))
-
-
-def area_spectrum(points: Array) -> Array:
-    """Magnitudes of the terms of the area over the angle about the origin [m2]."""
-    angle, area = area_elements(points)
-    place = angle / (2.0 * np.pi) * _SECTORS
-    sector = np.floor(place).astype(int)
-    # shared by two sectors, or even pieces of a circle would beat with the sectors like teeth
-    share = place - sector
-    total = np.bincount(sector % _SECTORS, (1.0 - share) * area, _SECTORS)
-    total += np.bincount((sector + 1) % _SECTORS, share * area, _SECTORS)
-    return np.asarray(np.abs(np.fft.rfft(total)))
 
 
 def area_phase(points: Array, tooth_count: int) -> float:

@@ -52,6 +52,10 @@ def even_nodes(flank: InvoluteFlank) -> Array:
 def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) -> ToothDeviations:
     r"""Read the deviations of every tooth from the file of a gear tester.
 
+    Deviations at even steps of the roll length.
+
+    Raises GeometryError for files of another layout, and gears with another tooth count.
+
     Parameters
     ----------
     path : Path
@@ -60,16 +64,6 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
         counter-clockwise. ``.mka``: curve file of a Klingelnberg gear tester, teeth clockwise.
     flank : InvoluteFlank
         Involute of the gear.
-
-    Returns
-    -------
-    ToothDeviations
-        Deviations at even steps of the roll length.
-
-    Raises
-    ------
-    GeometryError
-        For files of another layout, and gears with another tooth count.
 
     Notes
     -----
@@ -117,7 +111,16 @@ def _from_curve_file(
     start, end = sorted(flank.roll_length(0.5 * diameter) for diameter in (low, high))
     undefined = _header(lines, r"^UNDEFINED", path, missing=-2147483.648)[0]
     curves = _profile_curves(lines, undefined)
-    pitches = _pitch_tables(lines)
+    pitches: dict[str, dict[int, float]] = {}
+    side = ""
+    for line in lines:
+        title, cells = _PITCH.match(line), line.split()
+        if title:
+            side = _SIDES[title.group(1)[0].lower()]
+        elif side and len(cells) == 4 and cells[0].isdigit():
+            pitches.setdefault(side, {})[int(cells[0])] = float(cells[2])
+        elif side and cells and cells[0] != "Zahn-Nr.":
+            side = ""
     circle = np.cos(flank.pressure_angle(0.25 * (low + high)))
     found = {}
     for side, sign in (("left", -1.0), ("right", 1.0)):
@@ -179,17 +182,3 @@ def _profile_curves(lines: Sequence[str], undefined: float) -> dict[tuple[int, s
             key = int(head.group(1)), _SIDES[head.group(2)[0].lower()]
             curves[key] = np.interp(places, places[known], curve[known])
     return curves
-
-
-def _pitch_tables(lines: Sequence[str]) -> dict[str, dict[int, float]]:
-    tables: dict[str, dict[int, float]] = {}
-    side = ""
-    for line in lines:
-        title, cells = _PITCH.match(line), line.split()
-        if title:
-            side = _SIDES[title.group(1)[0].lower()]
-        elif side and len(cells) == 4 and cells[0].isdigit():
-            tables.setdefault(side, {})[int(cells[0])] = float(cells[2])
-        elif side and cells and cells[0] != "Zahn-Nr.":
-            side = ""
-    return tables

@@ -528,6 +528,8 @@ def _rows(arrays: SystemArrays, node: int) -> list[int]:
 def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) -> float:
     """Mass fraction of free gas of the fluid that enters the machine.
 
+    Mass of free gas per mass of mixture, between zero and the total gas content. [-]
+
     Parameters
     ----------
     pressure : float
@@ -536,11 +538,6 @@ def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) ->
         Inlet volume over volume flow rate, positive. [s]
     law : FluidLaw
         Constants of the fluid. [SI]
-
-    Returns
-    -------
-    float
-        Mass of free gas per mass of mixture, between zero and the total gas content. [-]
     """
     feed = law.feed_gas_mass_fraction
 

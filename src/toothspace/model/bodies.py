@@ -246,6 +246,8 @@ def face_sense(s: SystemArrays, state: Array, k: int) -> tuple[float, float]:
 def sliding_sense(sense: float, mean: float, own: float, radius: float) -> tuple[float, float]:
     r"""Sense in which the surfaces of a body that turns on its own slide, and its slope by speed.
 
+    Sense from -1 to 1 [-], slope [s/rad].
+
     Parameters
     ----------
     sense : float
@@ -254,11 +256,6 @@ def sliding_sense(sense: float, mean: float, own: float, radius: float) -> tuple
         Speed of the shaft times that ratio, and the body's own. [rad/s]
     radius : float
         Where the surfaces slide. [m]
-
-    Returns
-    -------
-    tuple of float
-        Sense from -1 to 1 [-], slope [s/rad].
 
     Notes
     -----

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from toothspace.closures.accumulator import gas_charge_energy, gas_charge_volume
 from toothspace.closures.aeration import gas_exchange_rate
-from toothspace.closures.density import mixture_pressure
+from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import kernel, merged
@@ -146,6 +146,14 @@ def update_pressure(node: Array, i: int, mass: float, gas_mass: float, fluid: Fl
     node[i, col.PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) * per_mass
     node[i, col.PRESSURE_BY_GAS] = by_gas * per_mass
     node[i, col.PRESSURE_BY_VOLUME] = by_volume * per_mass
+
+
+@kernel
+def hold_pressure(s: SystemArrays, i: int, pressure: float) -> None:
+    """Hold a node whose pressure is given at another one [Pa]."""
+    node = s.node
+    node[i, col.PRESSURE] = pressure
+    node[i, col.DENSITY] = mixture_density(pressure, node[i, col.GAS], s.fluid)
 
 
 @kernel

@@ -446,6 +446,8 @@ def tables_dataset(
 ) -> xr.Dataset:
     """Collect the tables of a machine in one dataset; each has its own angle dimension.
 
+    Variables ``<table>_<quantity>`` over ``<table>_angle``, phases of the members and outlines.
+
     Parameters
     ----------
     tables : sequence of AngleTable
@@ -454,12 +456,6 @@ def tables_dataset(
         Outlines by name, shape (n, 2). [m]
     attributes : mapping
         Attributes of the dataset.
-
-    Returns
-    -------
-    xarray.Dataset
-        Variables ``<table>_<quantity>`` over ``<table>_angle``, phases of the members and
-        outlines.
     """
     import xarray as xr
 

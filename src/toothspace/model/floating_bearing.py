@@ -9,10 +9,17 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal, Protocol, final
 
+from toothspace.closures.friction import SMOOTH_LAWS
 from toothspace.core.keys import choice, number, quantity
 from toothspace.model.film_faces import FilmFace
 
 Side = Literal["floating", "solid"]
+
+STICK = "stick"
+"""Name of the set-valued friction of bearing and housing."""
+
+FRICTION_LAWS = (STICK, *SMOOTH_LAWS)
+"""Names of the laws of that friction."""
 
 
 LoadSource = Literal[
@@ -137,8 +144,8 @@ class HousingContact:
         "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=6.45e-3
     )
     """Speed of the friction peak. [m/s]"""
-    law: str = choice("Set-valued stick, or smooth.", "stick", "stribeck", default="stick")
-    """Set-valued, or smooth. One of ``stick``, ``stribeck``."""
+    law: str = choice("Set-valued stick, or smooth.", *FRICTION_LAWS, default=STICK)
+    """Set-valued ``stick``, or one of :data:`toothspace.closures.friction.SMOOTH_LAWS`."""
 
 
 @final

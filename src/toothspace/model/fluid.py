@@ -212,23 +212,17 @@ def _fit_isotherm(line: dict[str, Array]) -> tuple[Array, float, float]:
 def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     """Read a fluid table and fit the liquid's constants at a temperature.
 
+    Constants with the largest error of the fit. [SI]
+
+    Raises CaseError if the file cannot be read, a column, unit or number is bad, the density does
+    not rise with pressure or the temperature is outside the table; names column and row.
+
     Parameters
     ----------
     path : Path or Columns
         CSV file, see the module, or its columns. [-]
     temperature : float
         Absolute temperature inside the range of the table. [K]
-
-    Returns
-    -------
-    TableFit
-        Constants with the largest error of the fit. [SI]
-
-    Raises
-    ------
-    CaseError
-        If the file cannot be read, a column, unit or number is bad, the density does not
-        rise with pressure or the temperature is outside the table; names column and row.
 
     Notes
     -----
@@ -247,12 +241,6 @@ def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     pair = [float(levels[upper - 1]), float(levels[min(upper, levels.size - 1)])]
     share = (temperature - pair[0]) / (pair[1] - pair[0]) if pair[1] > pair[0] else 0.0
     return _between([lines[level] for level in pair], min(max(share, 0.0), 1.0))
-
-
-def table_temperatures(path: Path | Columns) -> tuple[float, float]:
-    """Lowest and highest absolute temperature of a fluid table. [K]."""
-    temperatures = _read(path)[0]["temperature"]
-    return float(temperatures.min()), float(temperatures.max())
 
 
 def _between(lines: list[dict[str, Array]], share: float) -> TableFit:
@@ -363,17 +351,14 @@ def _linear(table: Mapping[str, Any], temperature: float) -> float:
 def library_liquid(name: str, temperature: float) -> LiquidState:
     """Return the properties of a library fluid at a temperature.
 
+    Raises CaseError if the fluid is unknown or the temperature outside its range.
+
     Parameters
     ----------
     name : str
         Name of the fluid. [-]
     temperature : float
         Absolute temperature. [K]
-
-    Raises
-    ------
-    CaseError
-        If the fluid is unknown or the temperature outside its range.
     """
     table = load_fluid(name)
     low, high = table["temperature_range_degC"]
@@ -428,7 +413,8 @@ def temperature_range(source: str | Path | Columns) -> tuple[float, float]:
     """
     table = _table(source)
     if table is not None:
-        return table_temperatures(table)
+        temperatures = _read(table)[0]["temperature"]
+        return float(temperatures.min()), float(temperatures.max())
     low, high = load_fluid(str(source))["temperature_range_degC"]
     return low + ZERO_CELSIUS, high + ZERO_CELSIUS
 
@@ -438,6 +424,8 @@ def fluid_law(
 ) -> FluidLaw:
     """Return the constants of a fluid at a temperature.
 
+    Raises CaseError if the fluid is unknown, the table is bad or a value is out of range.
+
     Parameters
     ----------
     source : str, Path or Columns
@@ -446,11 +434,6 @@ def fluid_law(
         Absolute temperature. [K]
     gas : GasModel, optional
         Air in it.
-
-    Raises
-    ------
-    CaseError
-        If the fluid is unknown, the table is bad or a value is out of range.
     """
     liquid = liquid_at(source, temperature)
     fall = _viscosity_fall(source, temperature, liquid.dynamic_viscosity)

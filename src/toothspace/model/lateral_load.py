@@ -52,17 +52,14 @@ def chamber_pressures(
 def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> tuple[float, float]:
     """Unbalanced force and moment on the floating bearing from the chamber pressures.
 
+    F_z, positive away from the gears [N], and M_x about the middle of the face. [N m]
+
     Parameters
     ----------
     balance : LateralBalance
         Faces and areas behind the bearing.
     pressures : callable
         Pressures of all nodes at a shaft angle. [Pa]
-
-    Returns
-    -------
-    tuple of float
-        F_z, positive away from the gears [N], and M_x about the middle of the face. [N m]
 
     Notes
     -----

@@ -83,25 +83,6 @@ class Members(NamedTuple):
     """
 
 
-def member_tables(first: int, counts: Sequence[int], own: Sequence[int]) -> IntArray:
-    """Number of the table that each member reads.
-
-    Parameters
-    ----------
-    first : int
-        Number of the first table.
-    counts : sequence of int
-        Members of each group.
-    own : sequence of int
-        Tables of the group that belong to one member each; 0 where all share one.
-    """
-    numbers = []
-    for count, tables in zip(counts, own, strict=True):
-        numbers.append(first + (np.arange(count) if tables else np.zeros(count, dtype=np.int64)))
-        first += max(tables, 1)
-    return np.concatenate([*numbers, np.zeros(0)]).astype(np.int64)
-
-
 OPEN = -1
 """Gate of members that are never closed, and mark of those that are open."""
 
@@ -131,7 +112,13 @@ def make_members(
         Whether closed members are left out.
     """
     counts = [part.count for part in parts]
-    table = member_tables(first_table, counts, [len(part.own) for part in parts])
+    # number of the table that each member reads
+    first = first_table
+    numbers = []
+    for count, tables in zip(counts, [len(part.own) for part in parts], strict=True):
+        numbers.append(first + (np.arange(count) if tables else np.zeros(count, dtype=np.int64)))
+        first += max(tables, 1)
+    table = np.concatenate([*numbers, np.zeros(0)]).astype(np.int64)
     phase = np.concatenate([*(part.phases for part in parts), np.zeros(0)])
     ratio = np.repeat([float(part.angle_ratio) for part in parts], counts)
     count, nodes = table.size, bank.layout[table, NODES]

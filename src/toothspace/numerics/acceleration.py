@@ -51,7 +51,14 @@ class Mixing:
         if self._last is None:
             self._steps, self._bends = (np.empty((self._depth, value.size)) for _ in range(2))
         else:
-            self._remember(value - self._last[0], residual - self._last[1])
+            # keep the last change of the value and of the residual in place of the oldest
+            bend = residual - self._last[1]
+            place = self._count % self._depth
+            self._steps[place], self._bends[place] = value - self._last[0], bend
+            self._count += 1
+            known = min(self._count, self._depth)
+            self._square[place, :known] = self._bends[:known] @ bend
+            self._square[:known, place] = self._square[place, :known]
         self._last = value.copy(), residual.copy()
         found = value + self._part * residual
         known = min(self._count, self._depth)
@@ -60,12 +67,3 @@ class Mixing:
         steps, bends = self._steps[:known], self._bends[:known]
         shares = np.linalg.lstsq(self._square[:known, :known], bends @ residual, rcond=_ROUNDING)[0]
         return np.asarray(found - shares @ steps - self._part * (shares @ bends))
-
-    def _remember(self, step: Array, bend: Array) -> None:
-        """Keep the last change of the value and of the residual in place of the oldest."""
-        place = self._count % self._depth
-        self._steps[place], self._bends[place] = step, bend
-        self._count += 1
-        known = min(self._count, self._depth)
-        self._square[place, :known] = self._bends[:known] @ bend
-        self._square[:known, place] = self._square[place, :known]

@@ -51,10 +51,7 @@ def _band_shape(rows: int, lanes: int) -> tuple[int, int]:
 def check_grid(key: str, grid: tuple[int, int]) -> None:
     """Refuse a grid whose band does not fit into the memory that one film may take.
 
-    Raises
-    ------
-    CaseError
-        With the key, the memory of the band and the number of lanes that would fit.
+    Raises CaseError with the key, the memory of the band and the number of lanes that would fit.
     """
     rows, lanes = grid
     needed = _SINGLE * prod(_band_shape(rows, lanes))

@@ -307,6 +307,8 @@ def solve_complementarity(
 ) -> ComplementaritySolution:
     """Solve a balance under a constraint, beginning with a guess found on coarser grids.
 
+    Fields and factored Jacobian. ``converged`` says whether the active set settled.
+
     Parameters
     ----------
     balance : CellBalance
@@ -317,11 +319,6 @@ def solve_complementarity(
         Kinds of the cells to begin with, as in a former solution.
     max_passes : int
         Limit of the number of linear solves on one grid. [-]
-
-    Returns
-    -------
-    ComplementaritySolution
-        Fields and factored Jacobian. ``converged`` says whether the active set settled.
 
     References
     ----------
@@ -359,7 +356,16 @@ def _with_delay(balance: CellBalance, max_passes: int) -> ComplementaritySolutio
 def _active_set(
     balance: CellBalance, constraint: Constraint, start: IntArray | None, max_passes: int
 ) -> ComplementaritySolution:
-    kind = _initial_kind(balance, constraint, start)
+    prescribed = balance.mark == PRESCRIBED
+    if start is not None:
+        kind = start.copy()
+        if constraint is not Constraint.OBSTACLE:
+            kind[kind == PRESCRIBED] = SATURATED
+    elif constraint is Constraint.NONE or min(grid_shape(balance)) < 8:
+        kind = np.full(grid_shape(balance), SATURATED, dtype=np.int64)
+    else:
+        kind = _from_coarse(balance, constraint)
+    kind[prescribed] = PRESCRIBED
     # kinds change only where a bound is broken by more than rounding, which needs a size
     scale = potential_scale(balance)
     sense = -1 if balance.advection_x.sum() < 0.0 else 1
@@ -473,20 +479,6 @@ def _typical(values: Array) -> float:
     """Median of at most a few thousand values spread over a grid."""
     along, across = (max(1, size // _SAMPLES) for size in values.shape)
     return float(np.median(values[::along, ::across]))
-
-
-def _initial_kind(balance: CellBalance, constraint: Constraint, start: IntArray | None) -> IntArray:
-    prescribed = balance.mark == PRESCRIBED
-    if start is not None:
-        kind = start.copy()
-        if constraint is not Constraint.OBSTACLE:
-            kind[kind == PRESCRIBED] = SATURATED
-    elif constraint is Constraint.NONE or min(grid_shape(balance)) < 8:
-        kind = np.full(grid_shape(balance), SATURATED, dtype=np.int64)
-    else:
-        kind = _from_coarse(balance, constraint)
-    kind[prescribed] = PRESCRIBED
-    return kind
 
 
 def _from_coarse(balance: CellBalance, constraint: Constraint) -> IntArray:

@@ -26,6 +26,8 @@ def gmres(
 
     By the generalised minimal residual method.
 
+    Solutions, NaN where the matrix is singular, and the largest number of iterations. [any, -]
+
     Parameters
     ----------
     product : callable
@@ -38,12 +40,6 @@ def gmres(
         Residual norms at which to stop. [any]
     max_iterations : int
         Largest size of a Krylov space. [-]
-
-    Returns
-    -------
-    tuple of ndarray and int
-        Solutions, NaN where the matrix is singular, and the largest number of iterations.
-        [any, -]
 
     References
     ----------

@@ -198,15 +198,12 @@ def _log_events(state: NdfState, record: NdfRecord, until: float) -> None:
 def bind(callbacks: NdfCallbacks) -> NdfFunctions:
     """Return ``initial_state`` and ``advance`` for a problem.
 
+    Functions to be called from compiled code.
+
     Parameters
     ----------
     callbacks : NdfCallbacks
         Compiled functions of the problem.
-
-    Returns
-    -------
-    NdfFunctions
-        Functions to be called from compiled code.
     """
     begin = _bind_begin(callbacks)
     return NdfFunctions(_bind_initial_state(begin), _bind_advance(callbacks, begin))

@@ -245,11 +245,8 @@ def note_jacobian(state: NdfState) -> None:
 def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -> int:
     """Go on with the derivative at the trial state.
 
-    Returns
-    -------
-    int
-        GO_ON: evaluate at the trial state (and the Jacobian before, if wanted);
-        PASSED: the trial state stands, accept it; else the reason of the failure.
+    GO_ON: evaluate at the trial state (and the Jacobian before, if wanted); PASSED: the trial state
+    stands, accept it; else the reason of the failure.
     """
     control = state.control[0]
     control.rhs_calls += 1

@@ -85,17 +85,14 @@ def monotone_table(period: float, values: Array) -> PeriodicTable:
 def smooth_table(period: float, values: Array) -> PeriodicTable:
     r"""Build a table of smooth data with a continuous second derivative.
 
+    Cubic B-spline with the coefficients :math:`v_i - \delta^2 v_i / 6`.
+
     Parameters
     ----------
     period : float
         Period of the angle. [rad]
     values : ndarray, shape (nodes,) or (nodes, channels)
         Values at uniform angles, the first at zero. [unit of each channel]
-
-    Returns
-    -------
-    PeriodicTable
-        Cubic B-spline with the coefficients :math:`v_i - \delta^2 v_i / 6`.
 
     Notes
     -----

@@ -17,6 +17,8 @@ def root_between(
 ) -> float:
     """Find where a function changes its sign: inverse quadratic steps kept by bisection.
 
+    Raises ValueError if both ends have the same sign.
+
     Parameters
     ----------
     function : callable
@@ -25,11 +27,6 @@ def root_between(
         Ends.
     tolerance : float
         Allowed distance to the root, beside rounding. [unit of the ends]
-
-    Raises
-    ------
-    ValueError
-        If both ends have the same sign.
 
     Notes
     -----
@@ -78,17 +75,14 @@ def root_between(
 def roots_between(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Find where many functions change their sign: secants that keep a bracket.
 
+    Roots, to rounding. [unit of the ends]
+
     Parameters
     ----------
     function : callable
         Values at one place of each function.
     low, high : ndarray
         Ends. Without a change of sign between them the result means nothing.
-
-    Returns
-    -------
-    ndarray
-        Roots, to rounding. [unit of the ends]
 
     References
     ----------
@@ -114,18 +108,15 @@ def roots_between(function: Callable[[Array], Array], low: Array, high: Array) -
 def next_change(known: list[tuple[float, float]], longest: float) -> float:
     """Change of a place towards that at which what it leads to agrees with it.
 
+    Change of the last place: by all that it misses, and as soon as another misses in the other
+    sense by the secant, which leaves at least a fifth of the way to either. [as the places]
+
     Parameters
     ----------
     known : list of tuple
         Places that were tried, and by how much what each leads to lies beyond it. [any]
     longest : float
         Largest change. [as the places]
-
-    Returns
-    -------
-    float
-        Change of the last place: by all that it misses, and as soon as another misses in the other
-        sense by the secant, which leaves at least a fifth of the way to either. [as the places]
     """
     place, error = known[-1]
     opposite = [(s, e) for s, e in known if e * error < 0.0]

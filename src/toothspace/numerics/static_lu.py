@@ -79,6 +79,10 @@ class LuProgram(NamedTuple):
 def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
     """Analyse the patterns of a Jacobian and of the basis of its unknowns.
 
+    Input of :func:`factorise`, :func:`solve`, :func:`ledger_product` and :func:`states_of`.
+
+    Raises ValueError if the pattern has fewer rows than columns.
+
     Parameters
     ----------
     pattern : ndarray of bool, shape (n_total, n_core), n_total >= n_core
@@ -86,17 +90,6 @@ def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
         others (ledger) are only multiplied with vectors.
     basis : ndarray of bool, shape (n_core, n_core), optional
         True where the basis may differ from the identity.
-
-    Returns
-    -------
-    LuProgram
-        Input of :func:`factorise`, :func:`solve`, :func:`ledger_product` and
-        :func:`states_of`.
-
-    Raises
-    ------
-    ValueError
-        If the pattern has fewer rows than columns.
     """
     n_total, n = pattern.shape
     if n_total < n:
@@ -197,6 +190,8 @@ def factorise(
 ) -> int:
     r"""Factorise :math:`B - \gamma J`.
 
+    SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
+
     Parameters
     ----------
     program : LuProgram
@@ -211,11 +206,6 @@ def factorise(
         Receives the factors.
     pivots : ndarray of int, shape (n,)
         Receives the row exchanges of dense factors.
-
-    Returns
-    -------
-    int
-        SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
     """
     if program.dense[0] == 0:
         flat, own = jacobian.reshape(-1), basis.reshape(-1)

@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.projections.polar import PolarAxes
 
+_BAR = 1e5
+_TURN = 2.0 * np.pi
+
 
 @styled
 def journal_orbits(solution: Solution, description: MachineDescription | None = None) -> Figure:
@@ -150,10 +153,6 @@ def force_polar(solution: Solution, description: MachineDescription | None = Non
     note = f"Pressure force (kN), 0° along x{_towards(description)}"
     figure.suptitle(note, x=0.01, ha="left", fontsize=9)
     return figure
-
-
-_BAR = 1e5
-_TURN = 2.0 * np.pi
 
 
 @styled

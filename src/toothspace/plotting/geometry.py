@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_LEAST_RANGE = 1.0
+"""Of the axis, so that a perfect flank looks like one. [um]"""
+
 
 @styled
 def volumes(description: MachineDescription) -> Figure:
@@ -155,10 +158,6 @@ def _has_ports(description: MachineDescription, family: ChamberFamily) -> bool:
         float(opening_area(description, family, category, angle).max()) > 0.0
         for category in openings_of(description)
     )
-
-
-_LEAST_RANGE = 1.0
-"""Of the axis, so that a perfect flank looks like one. [um]"""
 
 
 @styled

@@ -73,6 +73,17 @@ _RC: Mapping[str, object] = {
     "svg.fonttype": "path",
     "svg.hashsalt": "toothspace",
 }
+MAIN_NUMBERS = (
+    "volumetric_efficiency",
+    "hydromechanical_efficiency",
+    "mean_flow_L_per_min",
+    "mean_torque_N_m",
+    "flow_ripple_percent",
+    "max_chamber_pressure_bar",
+)
+"""Numbers that a sweep shows."""
+_MOST_LINES = 8
+_UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
@@ -155,19 +166,6 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     with draft_of(path) as draft, mpl.rc_context(_RC):  # type: ignore[arg-type]
         figure.savefig(draft, format=kind, dpi=160.0)
     return Path(path)
-
-
-MAIN_NUMBERS = (
-    "volumetric_efficiency",
-    "hydromechanical_efficiency",
-    "mean_flow_L_per_min",
-    "mean_torque_N_m",
-    "flow_ripple_percent",
-    "max_chamber_pressure_bar",
-)
-"""Numbers that a sweep shows."""
-_MOST_LINES = 8
-_UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
 
 
 @final

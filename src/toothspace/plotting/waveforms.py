@@ -43,6 +43,11 @@ if TYPE_CHECKING:
 
 _BAR = 1e5
 _LITRE_PER_MINUTE = 6e4
+_LITRE_PER_MINUTE = 6e4
+_BAR = 1e5
+_PER_MINUTE = 30.0 / np.pi
+_ZOOM = (-0.15, 0.6)
+_SLOWEST = 1e-3
 
 
 @styled
@@ -223,9 +228,6 @@ def _degrees(solution: Solution) -> Array:
     return np.asarray(np.degrees(angle - angle[0]))
 
 
-_LITRE_PER_MINUTE = 6e4
-
-
 @styled
 def torque_breakdown(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """Friction torque at the shaft by mechanism."""
@@ -340,12 +342,6 @@ def _draw_waterfall(
             fontsize=8,
             color=GREY,
         )
-
-
-_BAR = 1e5
-_PER_MINUTE = 30.0 / np.pi
-_ZOOM = (-0.15, 0.6)
-_SLOWEST = 1e-3
 
 
 @styled

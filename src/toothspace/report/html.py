@@ -90,6 +90,14 @@ _RENAMED = {"flow_ripple_percent": "kinematic_flow_ripple_percent"}
 """Numbers of the geometry whose name the run uses for its own result."""
 
 _PROVENANCE_TEXTS = ("case_toml", "warnings")
+_BAR = 1e5
+_MM = 1e3
+_FRAMES = 16
+"""Positions within one tooth pitch; fewer if the samples are coarser."""
+_DRAWN_ERROR = 1.5e-5  # what drawn outlines may deviate [m]
+_WIDTH, _HEIGHT, _MARGIN = 8.27, 11.69, 0.75
+_LINE = 0.19
+_COLUMNS = 96
 
 
 def write_report(
@@ -319,13 +327,6 @@ def figures_of(
     return [(entry, drawn(entry)) for key in _CHAPTERS for entry in entries if entry.chapter == key]
 
 
-_BAR = 1e5
-_MM = 1e3
-_FRAMES = 16
-"""Positions within one tooth pitch; fewer if the samples are coarser."""
-_DRAWN_ERROR = 1.5e-5  # what drawn outlines may deviate [m]
-
-
 def turning_section(solution: Solution, description: MachineDescription) -> str:
     """Section through the machine over one tooth pitch, with a slider for the shaft angle.
 
@@ -401,11 +402,6 @@ def _area(region: Any, colour: str, text: str, edge: str | None = None) -> str:
 
 def _curve(points: Any) -> str:
     return f"M{'L'.join(f'{_MM * x:.2f} {-_MM * y:.2f}' for x, y, *_ in points)}Z"
-
-
-_WIDTH, _HEIGHT, _MARGIN = 8.27, 11.69, 0.75
-_LINE = 0.19
-_COLUMNS = 96
 
 
 class TextLine(NamedTuple):

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 from toothspace.results.variables import stem_and_unit
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_TYPOGRAPHY = (("degC", "°C"), ("deg", "°"), ("um", "µm"), ("m2", "m²"), ("m3", "m³"))
+"""Units as plain text, and for a reader."""
 
 
 def render(template: str, **values: Any) -> str:
@@ -24,10 +26,6 @@ def render(template: str, **values: Any) -> str:
     )
     style = (_TEMPLATES / "report.css").read_text(encoding="utf-8")
     return environment.get_template(template).render(style=style, **values)
-
-
-_TYPOGRAPHY = (("degC", "°C"), ("deg", "°"), ("um", "µm"), ("m2", "m²"), ("m3", "m³"))
-"""Units as plain text, and for a reader."""
 
 
 class LabelledNumber(NamedTuple):

@@ -61,6 +61,13 @@ _PRESSURES = (
     "inlet_pressure",
     "outlet_pressure",
 )
+_SHOWN = {
+    "outlet_temperature_degC": "outlet",
+    "drain_temperature_degC": "drain",
+    "highest_film_temperature_degC": "hottest film",
+}
+"""Places whose temperature every steady run has, by the names of the summary."""
+_RISE = "lateral_temperature_rise"
 
 
 def with_warnings(
@@ -328,15 +335,6 @@ def _surplus(numbers: Mapping[str, float]) -> tuple[str, str]:
         "fluid enclosed in the chambers expands in them or is drawn past the ports.",
         "Look at the timing of the ports.",
     )
-
-
-_SHOWN = {
-    "outlet_temperature_degC": "outlet",
-    "drain_temperature_degC": "drain",
-    "highest_film_temperature_degC": "hottest film",
-}
-"""Places whose temperature every steady run has, by the names of the summary."""
-_RISE = "lateral_temperature_rise"
 
 
 def temperatures_beyond(solution: Solution, low: float, high: float) -> Iterator[Finding]:

@@ -28,6 +28,44 @@ _VAPOUR = 1e-4
 
 DRAIN_HEAT = (DRAIN.account, "journal_viscous", "journal_asperity", "shaft_seal")
 """Losses that warm the drain flow; films on the gear faces exchange theirs with the chambers."""
+LATERAL = {
+    "lateral_leakage_L_per_min": ("lateral_leakage", 6e4),
+    "lateral_torque_N_m": ("lateral_torque", 1.0),
+    "axial_load_N": ("lateral_axial_force", 1.0),
+    "axial_moment_N_m": ("lateral_axial_moment", 1.0),
+    "smallest_film_um": ("lateral_smallest_gap", 1e6),
+    "contact_force_N": ("lateral_contact_force", 1.0),
+    "real_contact_area_mm2": ("lateral_real_contact_area", 1e6),
+    "contact_share": ("lateral_contact_share", 1.0),
+    "wear_power_W_per_mm2": ("lateral_wear_power", 1e-6),
+    "housing_friction_N": ("lateral_housing_friction", 1.0),
+    "hold_down_force_N": ("solid_bearing_seat_force", 1.0),
+    "tipping_margin_mm": ("solid_bearing_seat_margin", 1e3),
+    # former names of these two
+    "seat_force_N": ("solid_bearing_seat_force", 1.0),
+    "seat_margin_mm": ("solid_bearing_seat_margin", 1e3),
+    "force_balance_error": ("lateral_equilibrium_residual", 1.0),
+    "preload_N": ("floating_bearing_preload", 1.0),
+    "face_deflection_um": ("film_deformation_largest", 1e6),
+    "face_deflection_error_um": ("film_deformation_error", 1e6),
+    "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
+}
+"""Statistics of lateral films and the size of their unit in that of the number. By its name."""
+PRESSURE = "pressure_leakage_"
+"""Before the name of a path: what pressure drives back through it."""
+DRAG = "drag_leakage_"
+"""Before the name of a path: what moving walls drag through it, negative where they deliver."""
+COMPRESSION = "compression_flow"
+GAS = "gas_flow"
+PORT_VOLUMES = "port_volume_flow"
+EXCHANGE = "mesh_exchange_flow"
+LABELS: Mapping[str, str] = {
+    COMPRESSION: "compression of the liquid in the chambers",
+    GAS: "free gas and vapour in the chambers",
+    PORT_VOLUMES: "kept in port volumes and lines",
+    EXCHANGE: "timing, and exchange through ports, grooves and the mesh",
+}
+"""Parts of the lost flow besides the leakage of paths, with a readable name."""
 
 
 def volumetric_efficiency(data: xr.Dataset, ledger: Ledger) -> float:
@@ -307,31 +345,6 @@ def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator != 0.0 else float("nan")
 
 
-LATERAL = {
-    "lateral_leakage_L_per_min": ("lateral_leakage", 6e4),
-    "lateral_torque_N_m": ("lateral_torque", 1.0),
-    "axial_load_N": ("lateral_axial_force", 1.0),
-    "axial_moment_N_m": ("lateral_axial_moment", 1.0),
-    "smallest_film_um": ("lateral_smallest_gap", 1e6),
-    "contact_force_N": ("lateral_contact_force", 1.0),
-    "real_contact_area_mm2": ("lateral_real_contact_area", 1e6),
-    "contact_share": ("lateral_contact_share", 1.0),
-    "wear_power_W_per_mm2": ("lateral_wear_power", 1e-6),
-    "housing_friction_N": ("lateral_housing_friction", 1.0),
-    "hold_down_force_N": ("solid_bearing_seat_force", 1.0),
-    "tipping_margin_mm": ("solid_bearing_seat_margin", 1e3),
-    # former names of these two
-    "seat_force_N": ("solid_bearing_seat_force", 1.0),
-    "seat_margin_mm": ("solid_bearing_seat_margin", 1e3),
-    "force_balance_error": ("lateral_equilibrium_residual", 1.0),
-    "preload_N": ("floating_bearing_preload", 1.0),
-    "face_deflection_um": ("film_deformation_largest", 1e6),
-    "face_deflection_error_um": ("film_deformation_error", 1e6),
-    "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
-}
-"""Statistics of lateral films and the size of their unit in that of the number. By its name."""
-
-
 def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[str, float]:
     """Numbers of a run with solved or tabulated lateral films, names with unit suffix.
 
@@ -351,24 +364,6 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
         position = float(data["bearing_position"].mean()) * 1e6
         numbers = {"bearing_position_um": position, **numbers}
     return numbers
-
-
-PRESSURE = "pressure_leakage_"
-"""Before the name of a path: what pressure drives back through it."""
-DRAG = "drag_leakage_"
-"""Before the name of a path: what moving walls drag through it, negative where they deliver."""
-COMPRESSION = "compression_flow"
-GAS = "gas_flow"
-PORT_VOLUMES = "port_volume_flow"
-EXCHANGE = "mesh_exchange_flow"
-
-LABELS: Mapping[str, str] = {
-    COMPRESSION: "compression of the liquid in the chambers",
-    GAS: "free gas and vapour in the chambers",
-    PORT_VOLUMES: "kept in port volumes and lines",
-    EXCHANGE: "timing, and exchange through ports, grooves and the mesh",
-}
-"""Parts of the lost flow besides the leakage of paths, with a readable name."""
 
 
 def parts_of(data: xr.Dataset) -> dict[str, float]:

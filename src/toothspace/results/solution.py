@@ -30,6 +30,16 @@ if TYPE_CHECKING:
 
     from toothspace.model.description import MachineDescription
 
+STANDING = "Turning of a free shaft"
+"""What a shaft that does not turn is about."""
+_BAR = 1e5
+_TURN = 2.0 * np.pi
+_SETTLING = 1.0
+_SETTLED_SHARE = 0.2
+_AT_PLATEAU = 1.0 - 1e-9
+DATA_ATTRIBUTES = ("title", "machine", "mode")
+"""Attributes of the file that belong to the dataset."""
+
 
 class Summary(dict[str, Any]):
     """Summary numbers by name; ``status`` alone is a text."""
@@ -340,16 +350,6 @@ class Figures:
         return self.figure("openings")
 
 
-STANDING = "Turning of a free shaft"
-"""What a shaft that does not turn is about."""
-
-_BAR = 1e5
-_TURN = 2.0 * np.pi
-_SETTLING = 1.0
-_SETTLED_SHARE = 0.2
-_AT_PLATEAU = 1.0 - 1e-9
-
-
 def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
     """Numbers of a start from rest, NaN where the shaft never moved or did not start at rest.
 
@@ -462,10 +462,6 @@ def _running_pressures(data: xr.Dataset, breakaway: float, pitch: float) -> tupl
         return float("nan"), float("nan")
     settled = at >= at[-1] - _SETTLED_SHARE * (at[-1] - breakaway)
     return float(mean[later].max()), float(mean[settled].mean())
-
-
-DATA_ATTRIBUTES = ("title", "machine", "mode")
-"""Attributes of the file that belong to the dataset."""
 
 
 def load_solution(path: str | Path) -> Solution:

@@ -26,23 +26,6 @@ SampleDimension = Literal["shaft_angle", "time"]
 
 SAMPLE = "sample"
 """Stands for the dimension of the samples: ``shaft_angle`` (steady) or ``time`` (transient)."""
-
-
-@final
-@dataclass(frozen=True)
-class Variable:
-    """One result variable."""
-
-    name: str
-    """Name in the file."""
-    dimensions: tuple[str, ...]
-    """Dimensions; ``sample`` stands for ``shaft_angle`` or ``time``."""
-    units: str
-    """SI unit, ``1`` if dimensionless."""
-    long_name: str
-    """Meaning and sign."""
-
-
 _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("shaft_angle", "sample", "rad", "Angle of the drive shaft, counted from the start of the run"),
     ("time", "sample", "s", "Time from the start of the run"),
@@ -143,24 +126,102 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("specific_heat_capacity", "", "J/(kg K)", "Specific heat capacity of the liquid"),
     ("fluid_temperature", "", "K", "Temperature of the fluid at the inlet"),
 )  # fmt: skip
-
 WITH_EXTREMES = (
     "shaft_speed", "shaft_torque", "pressure_difference", "inlet_pressure", "outlet_pressure",
     "node_pressure", "chamber_pressure", "contact_force", "coupling_torque",
 )  # fmt: skip
 """Variables of which a run over time also keeps the lowest and the highest value of each row."""
-
 OVER_A_REVOLUTION = (
     "shaft_torque", "inlet_flow_rate", "outlet_flow_rate", "inlet_pressure", "outlet_pressure",
     "chamber_pressure", "contact_force", "journal_film_height",
 )  # fmt: skip
 """Variables of which a steady run keeps the smallest and the largest value of its revolution."""
-
 WAVES = (
     "shaft_torque", "inlet_flow_rate", "outlet_flow_rate", "inlet_pressure", "outlet_pressure",
     "line_flow_rate",
 )  # fmt: skip
 """Variables that a steady run keeps at ``dense_angle`` too."""
+CHANNELS = (
+    "node_pressure", "chamber_pressure", "chamber_gas_fraction", "chamber_vapour_fraction",
+    "body_position", "body_velocity", "body_rotation", "body_force", "body_moment",
+    "journal_force", "journal_eccentricity_ratio", "journal_film_height",
+    "contact_force", "contact_gap", "torque_loss", "power_loss",
+)  # fmt: skip
+"""Variables with several values in each sample, of which a run over time may keep some."""
+_COORDINATES = ("shaft_angle", "time", "casing_angle", "dense_angle")
+LABELS: Mapping[str, tuple[str, ...]] = {
+    "port": ("inlet", "outlet", "drain", "inlet_groove", "outlet_groove"),
+    "axis": ("x", "y", "z"),
+    "mechanism": FRICTION_MECHANISMS,
+}
+"""Labels allowed along these dimensions, of which each machine has some; others are its own."""
+LABEL_DIMENSIONS: Mapping[str, str] = {
+    "chamber": "chamber, named by family and number",
+    "body": "body, named by the machine",
+    "journal": "body in a journal bearing, named by the machine",
+    "axis": "direction in the frame of the machine",
+    "contact": "contact, named by pair and number",
+    "tooth": "tooth of the outer rotor, by number",
+    "path": "kind of leakage path, named by the machine",
+    "mechanism": "cause of friction, those that the machine has",
+    "port": "port or relief groove",
+    "node": "node of the circuit",
+    "film": "lubricating film",
+    "heat_node": "oil, body or film of the heat network",
+    "tip": "tips of a body along a wall, named by the machine",
+    "flow_part": "part of the lost flow, leakage of a path by pressure or by drag, or its cause",
+    "mass_entry": "mass account of the ledger",
+    "energy_entry": "energy account of the ledger",
+}
+"""Dimensions whose coordinate is a list of labels, with their meaning."""
+STEADY = (
+    "displacement_cm3_per_rev", "mean_flow_L_per_min", "mean_torque_N_m", "volumetric_efficiency",
+    "hydromechanical_efficiency", "overall_efficiency", "flow_ripple_percent",
+    "pressure_ripple_bar", "torque_ripple_percent", "max_chamber_pressure_bar",
+    "min_chamber_pressure_bar", "cavitation_index_W", "mean_loaded_contacts",
+    "mass_balance_error", "energy_balance_error", "shaft_speed_rpm", "inlet_pressure_bar",
+    "outlet_pressure_bar", "shaft_power_W", "hydraulic_power_W", "power_loss_W",
+    "inlet_temperature_degC", "outlet_temperature_degC", "drain_temperature_degC",
+    "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
+    "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
+    "bearing_position_um", "loaded_contacts_two_or_more", "loaded_contacts_three_or_more",
+    "contact_span", *LATERAL,
+)  # fmt: skip
+"""Of a run at an operating point; films add some."""
+OVER_TIME = (
+    "startup_pressure_bar", "max_running_pressure_bar", "startup_pressure_ratio",
+    "breakaway_time_s", "breakaway_pressure_bar", "settled_pressure_bar",
+    "startup_to_settled_ratio", "displacement_cm3_per_rev", "duration_s", "revolutions",
+    "max_shaft_speed_rpm", "mean_flow_L_per_min", "mean_torque_N_m",
+    "max_pressure_difference_bar", "max_chamber_pressure_bar", "min_chamber_pressure_bar",
+    "mass_balance_error", "energy_balance_error", "supply_energy_J", "shaft_energy_J",
+    "loss_energy_J", "real_time_factor",
+)  # fmt: skip
+"""Of a run with a circuit."""
+BY_LABEL = ("leakage_", "pressure_leakage_", "drag_leakage_", "torque_loss_", "power_loss_")
+"""Beginnings of the names that end with a path or a mechanism of the machine."""
+UNITS: Mapping[str, str] = {
+    "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
+    "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
+    "mm2": "mm2", "s": "s", "MPa": "MPa", "K": "K", "mrad": "mrad", "W_per_mm2": "W/mm2",
+    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J",
+}  # fmt: skip
+"""Units by the suffix of a name."""
+
+
+@final
+@dataclass(frozen=True)
+class Variable:
+    """One result variable."""
+
+    name: str
+    """Name in the file."""
+    dimensions: tuple[str, ...]
+    """Dimensions; ``sample`` stands for ``shaft_angle`` or ``time``."""
+    units: str
+    """SI unit, ``1`` if dimensionless."""
+    long_name: str
+    """Meaning and sign."""
 
 
 def _variables() -> dict[str, Variable]:
@@ -189,43 +250,6 @@ def _variables() -> dict[str, Variable]:
 
 VARIABLES: Mapping[str, Variable] = _variables()
 """All result variables by name."""
-
-CHANNELS = (
-    "node_pressure", "chamber_pressure", "chamber_gas_fraction", "chamber_vapour_fraction",
-    "body_position", "body_velocity", "body_rotation", "body_force", "body_moment",
-    "journal_force", "journal_eccentricity_ratio", "journal_film_height",
-    "contact_force", "contact_gap", "torque_loss", "power_loss",
-)  # fmt: skip
-"""Variables with several values in each sample, of which a run over time may keep some."""
-
-_COORDINATES = ("shaft_angle", "time", "casing_angle", "dense_angle")
-
-LABELS: Mapping[str, tuple[str, ...]] = {
-    "port": ("inlet", "outlet", "drain", "inlet_groove", "outlet_groove"),
-    "axis": ("x", "y", "z"),
-    "mechanism": FRICTION_MECHANISMS,
-}
-"""Labels allowed along these dimensions, of which each machine has some; others are its own."""
-
-LABEL_DIMENSIONS: Mapping[str, str] = {
-    "chamber": "chamber, named by family and number",
-    "body": "body, named by the machine",
-    "journal": "body in a journal bearing, named by the machine",
-    "axis": "direction in the frame of the machine",
-    "contact": "contact, named by pair and number",
-    "tooth": "tooth of the outer rotor, by number",
-    "path": "kind of leakage path, named by the machine",
-    "mechanism": "cause of friction, those that the machine has",
-    "port": "port or relief groove",
-    "node": "node of the circuit",
-    "film": "lubricating film",
-    "heat_node": "oil, body or film of the heat network",
-    "tip": "tips of a body along a wall, named by the machine",
-    "flow_part": "part of the lost flow, leakage of a path by pressure or by drag, or its cause",
-    "mass_entry": "mass account of the ledger",
-    "energy_entry": "energy account of the ledger",
-}
-"""Dimensions whose coordinate is a list of labels, with their meaning."""
 
 
 def variable(name: str) -> Variable:
@@ -303,43 +327,6 @@ def _data_array(name: str, value: ArrayLike | xr.Variable, sample: str) -> xr.Va
         array = xr.Variable(dimensions, np.asarray(value))
     array.attrs = {"long_name": entry.long_name} | ({"units": entry.units} if entry.units else {})
     return array
-
-
-STEADY = (
-    "displacement_cm3_per_rev", "mean_flow_L_per_min", "mean_torque_N_m", "volumetric_efficiency",
-    "hydromechanical_efficiency", "overall_efficiency", "flow_ripple_percent",
-    "pressure_ripple_bar", "torque_ripple_percent", "max_chamber_pressure_bar",
-    "min_chamber_pressure_bar", "cavitation_index_W", "mean_loaded_contacts",
-    "mass_balance_error", "energy_balance_error", "shaft_speed_rpm", "inlet_pressure_bar",
-    "outlet_pressure_bar", "shaft_power_W", "hydraulic_power_W", "power_loss_W",
-    "inlet_temperature_degC", "outlet_temperature_degC", "drain_temperature_degC",
-    "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
-    "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
-    "bearing_position_um", "loaded_contacts_two_or_more", "loaded_contacts_three_or_more",
-    "contact_span", *LATERAL,
-)  # fmt: skip
-"""Of a run at an operating point; films add some."""
-OVER_TIME = (
-    "startup_pressure_bar", "max_running_pressure_bar", "startup_pressure_ratio",
-    "breakaway_time_s", "breakaway_pressure_bar", "settled_pressure_bar",
-    "startup_to_settled_ratio", "displacement_cm3_per_rev", "duration_s", "revolutions",
-    "max_shaft_speed_rpm", "mean_flow_L_per_min", "mean_torque_N_m",
-    "max_pressure_difference_bar", "max_chamber_pressure_bar", "min_chamber_pressure_bar",
-    "mass_balance_error", "energy_balance_error", "supply_energy_J", "shaft_energy_J",
-    "loss_energy_J", "real_time_factor",
-)  # fmt: skip
-"""Of a run with a circuit."""
-BY_LABEL = ("leakage_", "pressure_leakage_", "drag_leakage_", "torque_loss_", "power_loss_")
-"""Beginnings of the names that end with a path or a mechanism of the machine."""
-
-
-UNITS: Mapping[str, str] = {
-    "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
-    "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
-    "mm2": "mm2", "s": "s", "MPa": "MPa", "K": "K", "mrad": "mrad", "W_per_mm2": "W/mm2",
-    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J",
-}  # fmt: skip
-"""Units by the suffix of a name."""
 
 
 def stem_and_unit(name: str) -> tuple[str, str]:

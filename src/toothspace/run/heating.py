@@ -52,6 +52,12 @@ _NOT_AGREED = (
     'not those of the temperatures shown. Set heat.model = "network" for temperatures that the '
     "films do not feel, or change clearances or operating_point.shaft_speed a little."
 )
+OIL, WALLS, DRAIN_OIL, OUTLET = "chambers", "casing", "drain", "outlet"
+"""Nodes besides the bodies and their films."""
+_LEAST = 1e-6
+"""Conductance that gives oil at rest and dry bodies a temperature. [W/K]"""
+STEEL_HEAT_CAPACITY = 460.0
+"""Specific heat capacity of steel. [J/(kg K)]"""
 
 
 @final
@@ -213,14 +219,6 @@ def liquid_of(case: Case, temperature: float | None = None) -> LiquidState:
     choice = fluid_keys(case)
     given = choice.temperature if temperature is None else temperature
     return liquid_at(choice.source, given)
-
-
-OIL, WALLS, DRAIN_OIL, OUTLET = "chambers", "casing", "drain", "outlet"
-"""Nodes besides the bodies and their films."""
-_LEAST = 1e-6
-"""Conductance that gives oil at rest and dry bodies a temperature. [W/K]"""
-STEEL_HEAT_CAPACITY = 460.0
-"""Specific heat capacity of steel. [J/(kg K)]"""
 
 
 def lateral_node(body: str) -> str:

@@ -37,6 +37,21 @@ from toothspace.solver.flow_regime import flow_regimes
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
+_RARELY = 0.01
+_LONGEST_CHANGE = 4.0
+"""Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
+_SEAT_ROUNDS, _SEATED = 8, 0.05
+"""Most runs, and difference of leakage, until position and load of the bearings agree."""
+_BEYOND = (
+    "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
+    "counts as its edge: make tables over a wider range."
+)
+_UNSEATED = (
+    "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
+    "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
+    "or solve the films with fidelity 'elastic'."
+)
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -186,22 +201,6 @@ def provenance_of(case: Case) -> dict[str, str]:
         "numba_version": compiler_version(),
         "numpy_version": np.__version__,
     }
-
-
-_RARELY = 0.01
-_LONGEST_CHANGE = 4.0
-"""Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
-_SEAT_ROUNDS, _SEATED = 8, 0.05
-"""Most runs, and difference of leakage, until position and load of the bearings agree."""
-_BEYOND = (
-    "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
-    "counts as its edge: make tables over a wider range."
-)
-_UNSEATED = (
-    "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
-    "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
-    "or solve the films with fidelity 'elastic'."
-)
 
 
 @final

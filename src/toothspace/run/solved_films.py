@@ -43,6 +43,7 @@ _RESOLUTION = FaceResolution(rows=60, lanes=48, angles=6)
 _FULL_TURN = 2.0 * np.pi
 _LEAST = 1e-3
 """Smallest shape conductance between chambers, of a path that needs a length. [-]"""
+_COVER_RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
 
 
 def with_solved_films(
@@ -188,9 +189,6 @@ def _path(description: MachineDescription, category: PathCategory, nodes: IntArr
         if path.category == category and np.isin(path.nodes_a, nodes).all():
             return path
     raise CaseError("run.fidelity", f"'films' without {category.name} paths", "are faces")
-
-
-_COVER_RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
 
 
 @final

@@ -30,6 +30,8 @@ def march_to_balance(
     A tolerance at which the errors of the integration keep two revolutions apart, or leave more
     than 1e-5 of the energy unexplained, is lowered by a factor of ten from the state reached.
 
+    The last revolution; its statistics count all steps and hold ``relative_tolerance``.
+
     Parameters
     ----------
     system : System
@@ -40,11 +42,6 @@ def march_to_balance(
         Called with the finished share and a short text.
     state : ndarray, optional
         State to begin with.
-
-    Returns
-    -------
-    History
-        The last revolution; its statistics count all steps and hold ``relative_tolerance``.
     """
     return balanced(march_revolutions(system, plan, progress, state), plan, progress)
 
@@ -88,17 +85,14 @@ def balanced(history: History, plan: RunPlan, progress: Progress | None = None) 
 def solve_to_balance(system: System, solve: Callable[[System], Solution]) -> Solution:
     """Solution over time whose energies balance, solved again at a tighter tolerance for it.
 
+    The last that was done; its statistics hold ``relative_tolerance``.
+
     Parameters
     ----------
     system : System
         Machine in its circuit, with the tolerance to begin with.
     solve : callable
         Runs a system from its start.
-
-    Returns
-    -------
-    Solution
-        The last that was done; its statistics hold ``relative_tolerance``.
     """
     tolerance = system.condition.relative_tolerance
     found = solve(system).with_note(relative_tolerance=tolerance)

@@ -16,7 +16,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.arrays import SystemArrays
 from toothspace.model.carried_flows import carry_flows
-from toothspace.model.chambers import update_volumes, wall_energy
+from toothspace.model.chambers import hold_pressure, update_volumes, wall_energy
 from toothspace.model.circuit import stored_in_elements
 from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
@@ -54,7 +54,8 @@ from toothspace.numerics.static_lu import LuProgram, analyse
     _HOLD,
     _MOVING_ENERGY,
     _WALL_ENERGY,
-) = range(9)
+    _PRESSURE,
+) = range(10)
 
 _start, _continue = bind(
     NdfCallbacks(
@@ -99,7 +100,7 @@ class Observation(NamedTuple):
     lateral: Array
 
 
-def _empty_observation(arrays: SystemArrays, count: int) -> Observation:
+def empty_observation(arrays: SystemArrays, count: int) -> Observation:
     """Room for a number of samples."""
     size = arrays.size
     paths, contacts, motions = size.paths, size.contacts, size.motions
@@ -152,7 +153,7 @@ def advance(arrays: SystemArrays, integration: Integration, end: float) -> int:
 def observe(arrays: SystemArrays, states: Array, times: Array | None = None) -> Observation:
     """Evaluate the model at every sampled state; times [s] matter to circuits only."""
     count = states.shape[0]
-    out = _empty_observation(arrays, count)
+    out = empty_observation(arrays, count)
     at = np.zeros(count) if times is None else np.ascontiguousarray(times)
     rate = np.zeros(arrays.size.total)
     # one memory layout, so that the model is compiled once
@@ -236,6 +237,8 @@ def _value(task: int, s: SystemArrays, time: float, state: Array) -> float:
         return float(stored_in_elements(s, state) + load_energy(s, state))
     elif task == _WALL_ENERGY:
         return float(_wall_energy(s, state))
+    elif task == _PRESSURE:
+        hold_pressure(s, int(state[0]), state[1])
     return 0.0
 
 

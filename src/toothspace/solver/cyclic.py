@@ -16,7 +16,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
-from toothspace.solver.integrator import March, Piece, start_march
+from toothspace.solver.integrator import Piece, start_march
 
 _PIECES = 48
 """Parts of a revolution after each of which the march is looked at. [-]"""
@@ -107,12 +107,19 @@ def march_revolutions(
     search: _PeriodicSearch | None = None
     try:
         for k in range(limit):
-            piece = _marched(march, k * turn + offsets)
+            # in short pieces, so that a march ends soon where it went astray
+            pieces: list[Piece] = []
+            for part in np.array_split(k * turn + offsets, _PIECES):
+                pieces.append(march.advance(part))
+                if pieces[-1].status is not Status.DONE:
+                    break
+            piece = Piece.joined(pieces)
             if piece.status is not Status.DONE:
                 previous, status = piece, piece.status
                 break
             done = k + 1
             tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
+            # a revolution that was begun elsewhere says nothing about the one before
             if previous is not None and not (search and search.moved):
                 every = grid.dense[::_COMPARED]
                 changes.append(_difference(system, previous.states[every], piece.states[every]))
@@ -125,6 +132,7 @@ def march_revolutions(
             if _stalled(changes):
                 status = Status.NOT_REPEATING
                 break
+            # beginning elsewhere costs steps at first order: only where closing takes long
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
             free = search.closes(piece) if search.moved else _soon_alike(changes)
@@ -147,21 +155,6 @@ def march_revolutions(
         {**march.statistics, "revolutions": float(done)},
         DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
         min(changes[-_WAIT:], default=np.inf),
-    )
-
-
-def _marched(march: March, times: Array) -> Piece:
-    """Advance in short pieces, so that a march ends soon where it went astray."""
-    pieces = []
-    for part in np.array_split(times, _PIECES):
-        pieces.append(march.advance(part))
-        if pieces[-1].status is not Status.DONE:
-            break
-    return Piece(
-        pieces[-1].status,
-        np.concatenate([piece.times for piece in pieces]),
-        np.concatenate([piece.states for piece in pieces]),
-        tuple(event for piece in pieces for event in piece.events),
     )
 
 
@@ -193,6 +186,7 @@ class _PeriodicSearch:
     """
 
     def __init__(self, system: System, piece: Piece) -> None:
+        # mixing weighs all parts of the state together: each in units of what a machine notices
         size, state = system.arrays.size, piece.states[-1]
         self._system, self._part = system, slice(size.mass, size.load)
         scale = np.ones_like(state)
@@ -255,10 +249,7 @@ def successors(description: MachineDescription) -> IntArray:
     A chamber family may come back onto itself in one shaft revolution with its chambers
     exchanged, as the pockets of a rotor that turns more slowly than the shaft.
 
-    Returns
-    -------
-    ndarray of int
-        Number of that chamber; the chamber itself where none stood there.
+    Number of that chamber; the chamber itself where none stood there.
     """
     places, first = np.arange(description.chamber_count), 0
     for family in description.families:

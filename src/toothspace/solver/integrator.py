@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -158,6 +159,16 @@ class Piece:
     states: Array
     events: tuple[Event, ...]
     stopped: bool = False
+
+    @classmethod
+    def joined(cls, pieces: Sequence[Piece]) -> Piece:
+        """One piece of several that follow each other, with the status of the last."""
+        return cls(
+            pieces[-1].status,
+            np.concatenate([piece.times for piece in pieces]),
+            np.concatenate([piece.states for piece in pieces]),
+            tuple(event for piece in pieces for event in piece.events),
+        )
 
 
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:

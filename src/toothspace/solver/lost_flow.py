@@ -85,7 +85,16 @@ def look_at(history: History) -> Look:
     system = history.system
     seen = observe(system.arrays, history.states)
     opened = openings(system.description, history.states[:, 0])
-    return Look(history, seen, opened, _trapped_flows(history, seen, opened))
+    # flows of trapped fluid: through paths inside the mesh at chambers closed to both ports
+    size = system.arrays.size
+    sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
+    sealed[:, : size.chambers] = opened[..., :2].max(axis=2) <= 0.0
+    roles = np.array([category.role in _TRAPPED for category in system.categories])
+    inside = roles[system.arrays.path_index[:, col.CATEGORY]]
+    first = sealed[:, system.arrays.path_index[:, col.NODE_A]]
+    second = np.take_along_axis(sealed, seen.path_partner, axis=1)
+    trapped = np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
+    return Look(history, seen, opened, trapped)
 
 
 def looks_at(history: History) -> tuple[Look, Look]:
@@ -119,27 +128,13 @@ def openings(description: MachineDescription, shaft_angle: Array) -> Array:
     return area
 
 
-def _trapped_flows(history: History, seen: Observation, opened: Array) -> BoolArray:
-    system, size = history.system, history.system.arrays.size
-    sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
-    sealed[:, : size.chambers] = opened[..., :2].max(axis=2) <= 0.0
-    roles = np.array([category.role in _TRAPPED for category in system.categories])
-    inside = roles[system.arrays.path_index[:, col.CATEGORY]]
-    first = sealed[:, system.arrays.path_index[:, col.NODE_A]]
-    second = np.take_along_axis(sealed, seen.path_partner, axis=1)
-    return np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
-
-
 _MOST_VOID = 0.999
 
 
 def shares(look: Look) -> Array:
     """Share of the way from the low to the high side at which every node stands. [-].
 
-    Returns
-    -------
-    ndarray, shape (samples, nodes)
-        1 at the working port, outlet of a pump and inlet of a motor.
+    1 at the working port, outlet of a pump and inlet of a motor, shape (samples, nodes).
     """
     system, seen = look.history.system, look.seen
     description, chambers = system.description, system.arrays.size.chambers
@@ -222,7 +217,14 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
                 parts[name + category.name] = scale * float(masses[k])
     liquid, gas = _kept_masses(system, seen, share, density)
     parts[COMPRESSION], parts[GAS] = scale * liquid, scale * gas
-    parts[PORT_VOLUMES] = scale * _kept_at_port(history)
+    # mass that volumes and lines on the working side took up. [kg]
+    size, description = system.arrays.size, system.description
+    away = description.outlet_node if description.mode == "motor" else description.inlet_node
+    places = system.arrays.dynamic_index[size.chambers :]
+    nodes = np.arange(size.chambers, size.chambers + places.size)
+    held = places[(places >= 0) & (nodes != away)]
+    masses = history.states[:, size.mass : size.gas]
+    parts[PORT_VOLUMES] = scale * float((masses[-1, held] - masses[0, held]).sum())
     parts[EXCHANGE] = lost - sum(parts.values())
     return parts
 
@@ -253,15 +255,3 @@ def _kept_masses(
     mean = 0.5 * (share[1:, inside] + share[:-1, inside])
     of_gas = float(np.sum(mean * np.diff(missing, axis=0)))
     return float(np.sum(mean * np.diff(mass, axis=0))) - of_gas, of_gas
-
-
-def _kept_at_port(history: History) -> float:
-    """Mass that volumes and lines on the working side took up. [kg]."""
-    system, size = history.system, history.system.arrays.size
-    description = system.description
-    away = description.outlet_node if description.mode == "motor" else description.inlet_node
-    places = system.arrays.dynamic_index[size.chambers :]
-    nodes = np.arange(size.chambers, size.chambers + places.size)
-    held = places[(places >= 0) & (nodes != away)]
-    masses = history.states[:, size.mass : size.gas]
-    return float((masses[-1, held] - masses[0, held]).sum())

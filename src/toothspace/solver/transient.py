@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, final
 
@@ -103,7 +103,12 @@ class TransientMarch:
             if self.status is not Status.DONE:
                 break
             if kink is not None:
-                self._pass_kink(march, kink)
+                state = march.state.y.copy()
+                speed = self.system.condition.speed_schedule
+                if len(speed):
+                    state[1] = np.interp(kink, speed[:, 0], speed[:, 1])
+                settle(self.system, state, kink)
+                march.restart(kink, state)
         return np.vstack(parts)
 
     def _advance_smoothly(self, march: March, times: Array) -> Array:
@@ -136,14 +141,6 @@ class TransientMarch:
         if knots.size > _KINKS:
             knots = np.unique(speed[:, 0])
         return [float(knot) for knot in knots if begin < knot <= end]
-
-    def _pass_kink(self, march: March, time: float) -> None:
-        state = march.state.y.copy()
-        speed = self.system.condition.speed_schedule
-        if len(speed):
-            state[1] = np.interp(time, speed[:, 0], speed[:, 1])
-        settle(self.system, state, time)
-        march.restart(time, state)
 
 
 def settle(system: System, state: Array, time: float) -> None:
@@ -211,13 +208,19 @@ def transient_solution(
         sample="time",
         attributes=outcome.attributes_of(system.description, title),
     )
+    # events with the shaft angle at their times
+    moments = [event.time for event in march.events]
+    angles = np.interp(moments, np.asarray(rows["time"]), np.asarray(rows["shaft_angle"]))
     return Solution(
         status=march.status,
         data=data,
         ledger=outcome.window_ledger(_history(march, [0.0, march.time], [march.first, march.last])),
         statistics=march.statistics,
         provenance=provenance,
-        events=_placed(march.events, rows),
+        events=tuple(
+            event._replace(shaft_angle=float(angle))
+            for event, angle in zip(march.events, angles, strict=True)
+        ),
     )
 
 
@@ -316,13 +319,3 @@ def _nodes(system: System) -> dict[str, int]:
     circuit = system.condition.circuit
     places = node_places(system.description, system.condition)
     return {node.name: places[node.name] for node in circuit.nodes} if circuit else {}
-
-
-def _placed(events: Sequence[Event], rows: Mapping[str, Any]) -> tuple[Event, ...]:
-    """Events with the shaft angle at their times."""
-    times = [event.time for event in events]
-    angles = np.interp(times, np.asarray(rows["time"]), np.asarray(rows["shaft_angle"]))
-    return tuple(
-        event._replace(shaft_angle=float(angle))
-        for event, angle in zip(events, angles, strict=True)
-    )

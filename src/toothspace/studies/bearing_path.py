@@ -20,6 +20,7 @@ from toothspace.core.keys import (
     KeyTable,
     Number,
     Table,
+    again,
     choice,
     file_path,
     forbid,
@@ -36,7 +37,7 @@ from toothspace.core.types import Array
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.floating.coupling import CoupledPoint
 from toothspace.floating.housing_friction import BREAKAWAY_RATIO, HousingFriction
-from toothspace.model.floating_bearing import HousingContact
+from toothspace.model.floating_bearing import FRICTION_LAWS, STICK, HousingContact
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
 from toothspace.plotting.style import (
     BLUE,
@@ -140,7 +141,7 @@ class BearingPathStudy(KeyTable):
     breakaway_speed: float = quantity(
         "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=6.45e-3
     )
-    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    friction_law: str = choice("Set-valued, or smooth.", *FRICTION_LAWS, default=STICK)
     coupling_rounds: int = integer(
         "Most runs of the chambers per point until they agree with the films; 1: as described.",
         low=1,
@@ -270,28 +271,11 @@ class HysteresisStudy(KeyTable):
     outlet_pressures: tuple[float, ...] = items(PRESSURE, "Outlet pressures in their order.")
     start_gap: float = quantity("um", "Gap that the first point starts from.", above=0, high=100)
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
-    breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
-    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
-    coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they agree with the films; 1: as described.",
-        low=1,
-        high=20,
-        default=1,
-    )
-    measured: Path | None = file_path(
-        "Rows of operating_point.outlet_pressure and relative_position_um in the order of the "
-        "measurement, to lay over the loop.",
-        ".csv",
-        default=None,
-    )
-    sensor_deflection: float | None = quantity(
-        "um/bar",
-        "Travel of the sensor away from the gears over the outlet pressure, added to measured "
-        "positions.",
-        low=-10,
-        high=10,
-        default=None,
-    )
+    breakaway_speed: float = again(BearingPathStudy, "breakaway_speed")
+    friction_law: str = again(BearingPathStudy, "friction_law", STICK)
+    coupling_rounds: int = again(BearingPathStudy, "coupling_rounds", 1)
+    measured: Path | None = again(BearingPathStudy, "measured", None)
+    sensor_deflection: float | None = again(BearingPathStudy, "sensor_deflection", None)
 
     def __post_init__(self) -> None:
         if self.measured is None:
@@ -319,20 +303,13 @@ class NosePressureStudy(KeyTable):
         Table(spec=NoseCondition), "Operating conditions."
     )
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1, default=0.02)
-    breakaway_speed: float = quantity(
-        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=1.6e-3
-    )
-    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    breakaway_speed: float = again(BearingPathStudy, "breakaway_speed", 1.6e-3)
+    friction_law: str = again(BearingPathStudy, "friction_law", STICK)
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
 
-    coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they agree with the films; 1: as described.",
-        low=1,
-        high=20,
-        default=1,
-    )
+    coupling_rounds: int = again(BearingPathStudy, "coupling_rounds", 1)
 
     def __post_init__(self) -> None:
         _ = self.path  # which refuses a name that is given twice
@@ -358,12 +335,7 @@ class BearingMapStudy(KeyTable):
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
-    coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they agree with the films; 1: as described.",
-        low=1,
-        high=20,
-        default=6,
-    )
+    coupling_rounds: int = again(BearingPathStudy, "coupling_rounds", 6)
 
     @property
     def path(self) -> BearingPathStudy:
@@ -602,7 +574,7 @@ def friction_curves(contact: HousingContact, breakaway_force: float) -> xr.Datas
     velocity = np.linspace(-1.0, 1.0, _SAMPLES) * _SPAN * speed
     factors = [(f, 1.0) for f in COEFFICIENT_FACTORS]
     factors += [(1.0, f) for f in BREAKAWAY_SPEED_FACTORS]
-    laws = [HousingFriction(coulomb * a, speed * b, holds=False) for a, b in factors]
+    laws = [HousingFriction(coulomb * a, speed * b, law="stribeck") for a, b in factors]
     forces = [[law.force(float(v))[0] for v in velocity] for law in laws]
     varied = ["friction_coefficient"] * len(COEFFICIENT_FACTORS)
     varied += ["breakaway_speed"] * len(BREAKAWAY_SPEED_FACTORS)

@@ -35,7 +35,7 @@ from toothspace.floating.problem import (
     film_places,
 )
 from toothspace.model.description import MachineDescription
-from toothspace.model.floating_bearing import HousingContact, LateralBalance
+from toothspace.model.floating_bearing import STICK, HousingContact, LateralBalance
 from toothspace.results.solution import Solution
 from toothspace.results.variables import unit_of, variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
@@ -395,7 +395,7 @@ def prepare(case: Case, friction: HousingContact | None) -> LateralPoints:
     floating = replace(balance.floating, housing=friction)
     machine = replace(run.machine, lateral_balance=replace(balance, floating=floating))
     settings = lateral_settings(case)
-    if friction.law == "stribeck":
+    if friction.law != STICK:
         settings = replace(settings, dwell=_CREEP_TIME)
     return LateralPoints(case, replace(run, machine=machine), settings)
 

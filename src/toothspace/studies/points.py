@@ -41,6 +41,8 @@ Evaluate = Callable[[Case], Mapping[str, Any]]
 
 A function of a module, or an object with a text ``label`` that says what it evaluates.
 """
+NOT_A_RESULT = ("wall_time_s",)
+"""Summary numbers that say nothing about the machine."""
 
 
 @final
@@ -208,10 +210,6 @@ def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
         numbers, status = {}, FAILED
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
     return Record(key, status, plain(numbers), message, time.perf_counter() - started)
-
-
-NOT_A_RESULT = ("wall_time_s",)
-"""Summary numbers that say nothing about the machine."""
 
 
 def number_names(records: Sequence[Record]) -> list[str]:

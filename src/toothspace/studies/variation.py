@@ -30,6 +30,8 @@ _FORMS = (
     {"mean", "deviation", "to"},
     {"mean", "deviation", "from", "to"},
 )
+_LARGEST_GRID = 1_000_000
+_LARGEST_DEVIATION = 6.0
 
 
 @final
@@ -91,10 +93,6 @@ def _is_scalar(value: Any) -> bool:
     return isinstance(value, (str, bool, int)) or (
         isinstance(value, float) and math.isfinite(value)
     )
-
-
-_LARGEST_GRID = 1_000_000
-_LARGEST_DEVIATION = 6.0
 
 
 @final

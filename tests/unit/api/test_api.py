@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import toothspace as ts
 from tests.fake_solution import fake_solution
-from tests.study_cases import answer
+from tests.study_cases import Answer, answer
 from toothspace import api
 from toothspace.case import Case
 from toothspace.core.signals import read_columns
@@ -244,11 +244,7 @@ def test_two_results_side_by_side(solution: ts.Solution) -> None:
 
 
 def test_sweep_over_keys(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Answer:
-        def __init__(self, case: Case) -> None:
-            self.summary = lambda: {**answer(case), "status": "done"}
-
-    monkeypatch.setattr(api, "simulate", Answer)
+    monkeypatch.setattr(api, "simulate", lambda case: Answer({**answer(case), "status": "done"}))
     clearances = ["15 um", ts.Quantity(20, "um"), "30 um"]
     result = ts.sweep(MOTOR, {"machine.casing.radial_clearance": clearances})
     found = result.data["volumetric_efficiency"].values

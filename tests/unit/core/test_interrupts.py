@@ -57,7 +57,7 @@ def test_an_interrupt_inside_a_revolution_keeps_the_revolutions_before(
         march = real(*arguments)
 
         def advance(times: Any) -> Any:
-            if len(done) == 2:
+            if len(done) == 2 * cyclic._PIECES:
                 raise KeyboardInterrupt
             done.append(march.advance(times))
             return done[-1]
@@ -114,7 +114,7 @@ def marches(monkeypatch: pytest.MonkeyPatch, status: Status) -> list[RunPlan]:
     """Let every march end with a status; the plans that were asked for."""
     asked: list[RunPlan] = []
 
-    def march(_system: Any, plan: RunPlan, _progress: object) -> Any:
+    def march(_system: Any, plan: RunPlan, *_: object) -> Any:
         asked.append(plan)
         return SimpleNamespace(status=status)
 

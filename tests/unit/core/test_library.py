@@ -180,6 +180,23 @@ def test_other_sources_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.endswith("was built from other sources")
 
 
+def test_without_library_and_compiler_a_run_says_what_to_install(tmp_path: Path) -> None:
+    code = (
+        "import sys; from pathlib import Path; sys.modules['numba'] = None\n"
+        "import toothspace.core.compilation.library as library\n"
+        "library.FOLDER = Path('nowhere')\n"
+        "from toothspace.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code, "run", str(CASES / "egm12_motor.toml"), "-o", "m.nc"]
+    environment = {**os.environ, "TOOTHSPACE_COMPILATION": ""}
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    said = 'compiled code is missing, allowed after pip install "toothspace[jit]"'
+    assert said in done.stderr
+    assert not (tmp_path / "m.nc").exists()
+
+
 def test_an_unknown_way_is_refused() -> None:
     done = subprocess.run(
         [sys.executable, "-c", "import toothspace.numerics.vectors"],

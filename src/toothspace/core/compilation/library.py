@@ -64,6 +64,7 @@ class Library:
 
     entries: Mapping[str, Native]
     target: str
+    digest: str
     call: Any
     release: int
 
@@ -123,7 +124,7 @@ def _opened() -> Library | str:
         )
         for k, entry in enumerate(table["entries"])
     }
-    return Library(entries, table["target"], caller.call, release)
+    return Library(entries, table["target"], table["digest"], caller.call, release)
 
 
 def _short(types: str) -> bytes:

@@ -34,17 +34,14 @@ _LEAST = 1e-3
 def solved_journal(length_over_diameter: float, clearance_over_roughness: float) -> SolvedJournal:
     r"""Force map and shear of a journal bearing from solutions of the Reynolds equation.
 
+    Map and shear table. [-]
+
     Parameters
     ----------
     length_over_diameter : float
         Bearing length over diameter. [-]
     clearance_over_roughness : float
         Radial clearance over the combined roughness; infinite for smooth walls. [-]
-
-    Returns
-    -------
-    SolvedJournal
-        Map and shear table. [-]
 
     Notes
     -----

@@ -62,7 +62,16 @@ def sweep_friction(
         Friction coefficient and contact share at every speed.
     """
     numbers = np.asarray(sommerfeld_numbers, dtype=float)
-    speeds = shaft_speeds(bearing, load, numbers)
+    # rotation at which a loaded bearing has given Sommerfeld numbers. [rad/s]
+    at_unit_speed = sommerfeld_number(
+        1.0,
+        load,
+        bearing.dynamic_viscosity,
+        0.5 * bearing.diameter,
+        bearing.length,
+        bearing.radial_clearance,
+    )
+    speeds = np.asarray(numbers / at_unit_speed)
     rows = np.zeros((numbers.size, 3))
     start: tuple[float, float] | None = None
     converged = True
@@ -126,19 +135,6 @@ def save_friction_table(sweep: FrictionSweep, path: Path) -> FrictionCurve:
     )
     np.savetxt(path, np.column_stack(columns), "%.6g", ",", header=head)
     return curve
-
-
-def shaft_speeds(bearing: JournalBearing, load: float, sommerfeld_numbers: Array) -> Array:
-    """Rotation at which a loaded bearing has given Sommerfeld numbers. [rad/s]."""
-    at_unit_speed = sommerfeld_number(
-        1.0,
-        load,
-        bearing.dynamic_viscosity,
-        0.5 * bearing.diameter,
-        bearing.length,
-        bearing.radial_clearance,
-    )
-    return np.asarray(sommerfeld_numbers / at_unit_speed)
 
 
 def fit_friction_curve(sommerfeld_number: Array, friction_coefficient: Array) -> FrictionCurve:

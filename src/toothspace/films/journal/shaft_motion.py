@@ -244,7 +244,13 @@ class _OrbitStep:
         tangent = self.tangent(film, past)
         for _ in range(_STEP_PASSES):
             full = np.asarray(np.linalg.solve(tangent, error), dtype=np.float64)
-            change, film, next_error = self._damped(position, full, error, trial)
+            # longest part of a step that keeps the gap open and does not raise the error
+            change = self._inside(position + full, position) - position
+            for _ in range(_HALVINGS):
+                film, next_error = trial(position + change)
+                if np.hypot(*next_error) <= np.hypot(*error):
+                    break
+                change = 0.5 * change
             position = position + change
             if np.hypot(*change) <= 1e-9 * self.bearing.radial_clearance:
                 return _ShaftStates(position, self.velocity(position, past)), film, True
@@ -256,22 +262,6 @@ class _OrbitStep:
                 tangent = self.tangent(film, past)
             error = next_error
         return _ShaftStates(position, self.velocity(position, past)), film, False
-
-    def _damped(
-        self,
-        position: Array,
-        full: Array,
-        error: Array,
-        trial: Callable[[Array], tuple[JournalBearingSolution, Array]],
-    ) -> tuple[Array, JournalBearingSolution, Array]:
-        """Longest part of a step that keeps the gap open and does not raise the error."""
-        change = self._inside(position + full, position) - position
-        for _ in range(_HALVINGS):
-            film, found = trial(position + change)
-            if np.hypot(*found) <= np.hypot(*error):
-                break
-            change = 0.5 * change
-        return change, film, found
 
     def _inside(self, position: Array, before: Array) -> Array:
         """Shorten a step that would close the gap."""

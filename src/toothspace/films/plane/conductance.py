@@ -72,17 +72,14 @@ def face_conductance(
 ) -> FaceConductance:
     """Solve the films of one face for a unit pressure at each of their edges.
 
+    Conductances, supporting areas and drag.
+
     Parameters
     ----------
     planes : ndarray, shape (angles, bodies, 3), optional
         Height of the film of every body at its axis [m], and rotations of that plane about x and
         y [rad]; not given: the gap of the face. Where rough faces touch, heights end at the
         roughness.
-
-    Returns
-    -------
-    FaceConductance
-        Conductances, supporting areas and drag.
 
     Notes
     -----
@@ -165,7 +162,12 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
     shaft_angle = turn / face.chambers.angle_ratio
     node, body = face.face_map(shaft_angle, x, y)
     edge = _edge_numbers(face, node, face.chambers.nearest(shaft_angle, x, y))
-    height = _heights(face, body, planes, x, y)
+    # height of the film before every cell, the gap of the face where no body stands. [m]
+    least = face.surfaces.roughness if face.surfaces is not None else 0.0
+    height = np.full(x.shape, face.gap)
+    for k, ((lift, about_x, about_y), own) in enumerate(zip(planes, face.bodies, strict=True)):
+        plane = lift + about_x * (y - own.center[1]) - about_y * (x - own.center[0])
+        height = np.where(body == k, np.maximum(plane, max(least, _LEAST * face.gap)), height)
     cube = (height / face.gap) ** 3
     matrix, pressure = _solve(grid, edge, _rim_edges(face, grid.table_angle - turn), cube)
     weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
@@ -176,16 +178,6 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
         for w, b in zip(weight, face.bodies, strict=True)
     ]
     return matrix, np.array(area), np.array(drag)
-
-
-def _heights(face: FilmFace, body: IntArray, planes: Array, x: Array, y: Array) -> Array:
-    """Height of the film before every cell, the gap of the face where no body stands. [m]."""
-    least = face.surfaces.roughness if face.surfaces is not None else 0.0
-    height = np.full(x.shape, face.gap)
-    for k, ((lift, about_x, about_y), own) in enumerate(zip(planes, face.bodies, strict=True)):
-        plane = lift + about_x * (y - own.center[1]) - about_y * (x - own.center[0])
-        height = np.where(body == k, np.maximum(plane, max(least, _LEAST * face.gap)), height)
-    return height
 
 
 def _edge_numbers(face: FilmFace, node: IntArray, nearest: IntArray) -> IntArray:
@@ -281,6 +273,9 @@ def shared_paths(
 ) -> list[FlowPath]:
     """Paths between all edges of the films at shared covers.
 
+    Between neighbouring chambers; from chambers to recesses, to the inner node and to the rim; from
+    recesses to each other, to the inner node and to the rim.
+
     Parameters
     ----------
     faces : SharedFaces
@@ -289,12 +284,6 @@ def shared_paths(
         Films before the covers.
     height : float
         Gap of the paths; unequal gaps of the covers enter with their cubes. [m]
-
-    Returns
-    -------
-    list of FlowPath
-        Between neighbouring chambers; from chambers to recesses, to the inner node and to the
-        rim; from recesses to each other, to the inner node and to the rim.
     """
     return _Paths(faces, films, height).all()
 

@@ -166,12 +166,18 @@ class Pad:
             False,
         )
         base = self._gap(x, y)
+        # the film is deeper over the pocket
+        step = np.zeros((x.size, y.size))
+        if self.pocket is not None:
+            p = self.pocket
+            along = (x > p.start) & (x < p.start + p.length)
+            step[np.ix_(along, np.abs(y) < 0.5 * p.width)] = p.depth
         gap = GapField(
             base,
             self._gap(x_face, y),
             self._gap(x, y_face),
             np.full_like(base, squeeze_velocity),
-            self._steps(x, y),
+            step,
         )
         points = cartesian_points(x, x_face, y, y_face)
         weight = 2.0 if half else 1.0
@@ -199,14 +205,6 @@ class Pad:
             return np.array(np.broadcast_to(self.shape(xs, ys), xs.shape), dtype=float, order="C")
         slope = (self.outlet_height - self.inlet_height) / self.length
         return np.asarray(self.inlet_height + slope * xs)
-
-    def _steps(self, x: Array, y: Array) -> Array:
-        step = np.zeros((x.size, y.size))
-        if self.pocket is not None:
-            p = self.pocket
-            along = (x > p.start) & (x < p.start + p.length)
-            step[np.ix_(along, np.abs(y) < 0.5 * p.width)] = p.depth
-        return step
 
 
 @final
@@ -288,17 +286,14 @@ class PadSolution(FaceSolution):
         viscous = self.plane.fields.saturation * self.speed / self.plane.fluid.fluidity
         area = film.weight * film.grid.area
         sliding, pattern = (float((viscous * part * area).sum()) for part in (mean, difference))
-        return sliding, pattern, film.weight * self._pressure_drag(half)
-
-    def _pressure_drag(self, half: Array) -> float:
-        """Integral of the pressure part of the stress, in halves of the cells. [N]."""
+        # integral of the pressure part of the stress, in halves of the cells. [N]
         p = self.plane.pressure
         ambient = np.full((1, p.shape[1]), self.pad.ambient_pressure)
         rise = np.diff(np.concatenate([ambient, p, ambient]), axis=0)
         bordered = np.concatenate([half[:1], half, half[-1:]])
         mean = 0.5 * (bordered[1:] + bordered[:-1])
         faces = self.pad._lines(self.plane.film.weight > 1.0)[3]
-        return float((mean * rise).sum(axis=0) @ np.diff(faces))
+        return sliding, pattern, film.weight * float((mean * rise).sum(axis=0) @ np.diff(faces))
 
     @property
     def inlet_flow(self) -> float:

@@ -368,6 +368,8 @@ def solve_faces(
 ) -> FaceFilms:
     """Films between the bodies of a machine and one rigid face.
 
+    Raises CaseError if the machine type gives no outlines.
+
     Parameters
     ----------
     description : MachineDescription
@@ -375,11 +377,6 @@ def solve_faces(
     condition : OperatingCondition
         Shaft speed and port pressures; the chambers have the pressures that their paths hold
         at rest.
-
-    Raises
-    ------
-    CaseError
-        If the machine type gives no outlines.
     """
     known = {film.body: film.face for film in description.laterals if film.face is not None}
     if not known:

@@ -193,6 +193,10 @@ def solve_state(
 ) -> FilmState:
     """Pressure and film fraction; the density is iterated with the pressure.
 
+    Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
+
+    Raises CaseError if the film had other cells one time step ago.
+
     Parameters
     ----------
     film : FilmProblem
@@ -201,16 +205,6 @@ def solve_state(
         Kinds of the cells to begin with, as of a former solution.
     history : FilmHistory, optional
         What the film held one time step ago; without, the film follows the motion without delay.
-
-    Returns
-    -------
-    FilmState
-        Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
-
-    Raises
-    ------
-    CaseError
-        If the film had other cells one time step ago.
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
     grid, floor = fluid.reduced_grid(film.grid), fluid.reduced_of(lowest)

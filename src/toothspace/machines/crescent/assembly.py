@@ -41,6 +41,8 @@ from toothspace.machines.crescent.parameters import CrescentParameters
 from toothspace.machines.shared_bearings import require_rim, require_shaft_below
 
 POINTS_PER_TOOTH = 200
+_ARC = 181
+_FAR = 10.0
 
 
 @final
@@ -211,10 +213,6 @@ def _detected(
             return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
     except GeometryError as error:
         raise error.read_for(key) from error
-
-
-_ARC = 181
-_FAR = 10.0
 
 
 @final

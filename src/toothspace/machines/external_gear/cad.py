@@ -38,6 +38,13 @@ from toothspace.geometry.pump_sections import (
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 
+_CLEARANCES = (1e-6, 300e-6)
+"""Between tip circle and bore. [m]"""
+_SHARE_OF_ROOT = 0.6
+"""Journal diameter over root diameter, where no bearing is found. [-]"""
+_BACKLASH = 0.04
+"""Normal backlash of gears without a partner, in modules. [-]"""
+
 
 def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Path]:
     """Write the sections of both gears, or of one if they are equal; returns their paths.
@@ -62,14 +69,6 @@ def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Pat
         export_gear(profile, path, gear.face_width)
         paths.append(path)
     return paths
-
-
-_CLEARANCES = (1e-6, 300e-6)
-"""Between tip circle and bore. [m]"""
-_SHARE_OF_ROOT = 0.6
-"""Journal diameter over root diameter, where no bearing is found. [-]"""
-_BACKLASH = 0.04
-"""Normal backlash of gears without a partner, in modules. [-]"""
 
 
 @final

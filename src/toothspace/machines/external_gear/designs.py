@@ -3,16 +3,199 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
 
 import numpy as np
 
-from toothspace.advice.gear_designs import GearDesigns, distance_of_backlash
+from toothspace.advice import gear_rules as rules
 from toothspace.core.errors import CaseError
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.gearing.design_values import DesignValues
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
+from toothspace.geometry.gear_pair import LARGEST_OVERLAP, ExternalPair, tight_involute
+from toothspace.geometry.involute_gear import InvoluteGears
 from toothspace.machines.external_gear.spec import ExternalGearTables
+
+_LARGEST_ANGLE = 1.4
+_NEWTON_STEPS = 60
+_LARGEST_BACKLASH = 0.5
+_LARGEST_DIFFERENCE = 1e-9
+
+
+@final
+@dataclass(frozen=True)
+class GearDesigns(ExternalPair[Array]):
+    """Pairs of external gears; arrays of one shape (n,)."""
+
+    drive: InvoluteGears
+    driven: InvoluteGears
+    """Gears."""
+    center_distance: Array
+    """Distances of the gear centres. [m]"""
+    face_width: Array
+    """Widths over which the gears mesh. [m]"""
+    drives: bool = True
+    """Whether the drive gear's flanks push the driven gear (pump) or are pushed (motor)."""
+
+    @property
+    def forms(self) -> tuple[InvoluteGears, InvoluteGears]:
+        """The gears themselves, which know the ends of their involutes."""
+        return self.drive, self.driven
+
+    @property
+    def tip_radii(self) -> tuple[Array, Array]:
+        """Tip circles of drive and driven gears. [m]."""
+        return self.drive.tip_radius, self.driven.tip_radius
+
+    def mesh_volume(self, position: Array) -> Array:
+        r"""Volume between two contacts of the loaded flanks, backlash open.
+
+        Volume. [m3]
+
+        Parameters
+        ----------
+        position : ndarray
+            Place of the rear contact from the pitch point; the other one is a base pitch ahead.
+            [m]
+
+        Notes
+        -----
+        By Green's theorem round the four-cornered path through both centres and both contacts,
+
+        .. math:: V/b = \tfrac12 p_b (r_{b1} + r_{b2}) - A_1/z_1 - A_2/z_2
+                  + \frac{(\rho_1 + p_b)^3 - \rho_1^3}{6 r_{b1}}
+                  + \frac{\rho_2^3 - (\rho_2 - p_b)^3}{6 r_{b2}}
+
+        with the areas :math:`A` of both gears and the roll lengths :math:`\rho_{1,2}` of both
+        flanks at the rear contact. It is quadratic in the position. Validity: both contacts on
+        the involute.
+        """
+        pitch, bases = self.base_pitch, (self.drive.base_radius, self.driven.base_radius)
+        rolls = self.pitch_roll_lengths[0] + position, self.pitch_roll_lengths[1] - position
+        area = 0.5 * pitch * (bases[0] + bases[1])
+        area -= self.drive.tooth_area + self.driven.tooth_area
+        area += ((rolls[0] + pitch) ** 3 - rolls[0] ** 3) / (6.0 * bases[0])
+        area += (rolls[1] ** 3 - (rolls[1] - pitch) ** 3) / (6.0 * bases[1])
+        return self.face_width * area
+
+    @cached_property
+    def trapped_volumes(self) -> tuple[Array, Array, Array]:
+        """Volume as the second contact begins, its minimum, and that less the first. [m3]."""
+        (start, end), pitch = self.path_of_contact, self.base_pitch
+        first, last = (start, end - pitch) if self.drives else (end - pitch, start)
+        smallest = np.clip(-0.5 * pitch, np.minimum(first, last), np.maximum(first, last))
+        trapped, dead = self.mesh_volume(first), self.mesh_volume(smallest)
+        return trapped, dead, trapped - dead
+
+    def numbers(self) -> dict[str, Array]:
+        """Numbers of the geometry report by name; the names carry their unit."""
+        trapped, dead, change = self.trapped_volumes
+        lands = self.drive.tip_land, self.driven.tip_land
+        length = self.center_distance + self.drive.tip_radius + self.driven.tip_radius
+        height = 2.0 * np.maximum(*self.tip_radii)
+        return {
+            "displacement_cm3_per_rev": 2e6 * np.pi * self.displacement_per_radian(self.face_width),
+            "flow_ripple_percent": 100.0 * self.flow_ripple(),
+            "flow_ripple_dual_percent": 100.0 * self.flow_ripple("dual"),
+            "contact_ratio": self.contact_ratio,
+            "trapped_volume_mm3": 1e9 * trapped,
+            "dead_volume_mm3": 1e9 * dead,
+            "trapped_volume_change_mm3": 1e9 * change,
+            "tip_land_mm": 1e3 * np.minimum(*lands),
+            "root_clearance_mm": 1e3 * np.minimum(*self.root_clearances),
+            "center_distance_mm": 1e3 * self.center_distance,
+            "normal_backlash_mm": 1e3 * self.normal_backlash,
+            "operating_pressure_angle_deg": np.rad2deg(self.operating_pressure_angle),
+            "base_diameter_mm": 2e3 * self.drive.base_radius,
+            "tip_diameter_mm": 2e3 * self.drive.tip_radius,
+            "face_width_mm": 1e3 * self.face_width,
+            "envelope_cm3": 1e6 * length * height * self.face_width,
+        }
+
+    def evaluated(self) -> EvaluatedDesigns:
+        """Numbers of the designs, and what is against them."""
+        none = np.zeros(self.face_width.shape, dtype=np.int64)
+        return EvaluatedDesigns(self.numbers(), none).refused(self.reasons())
+
+    def reasons(self) -> IntArray:
+        """Bits of :class:`DesignReason` of pairs that cannot turn or break a design rule."""
+        drive, driven = self.drive, self.driven
+        bases = driven.base_radius * drive.tooth_count / (drive.base_radius * driven.tooth_count)
+        meets = self.center_distance < drive.tip_radius + driven.tip_radius
+        overlap = -self.normal_backlash / np.sin(self.operating_pressure_angle)
+        found = (
+            drive.reasons
+            | driven.reasons
+            | marked(
+                meets.shape,
+                {
+                    DesignReason.BASE_PITCH: np.abs(bases - 1.0) > _LARGEST_DIFFERENCE,
+                    DesignReason.NO_MESH: ~(meets & np.isfinite(overlap)),
+                    DesignReason.OVERLAP: overlap > 2.0 * LARGEST_OVERLAP,
+                    DesignReason.ROOT_CLEARANCE: np.minimum(*self.root_clearances) <= 0.0,
+                    DesignReason.CONTACT_RATIO: ~(self.contact_ratio >= 1.0),
+                },
+            )
+        )
+        return found | self._interference(found) | self._broken_rules()
+
+    def _interference(self, found: IntArray) -> IntArray:
+        """Pairs whose tips reach below the involute and cut the fillet there."""
+        which = np.flatnonzero((np.minimum(*self.involute_margins) < 0.0) & (found == 0))
+        if not which.size:
+            return found
+        drive, driven = self.drive.chosen(which), self.driven.chosen(which)
+        distance, play = self.center_distance[which], np.full(found.shape, np.inf)
+        play[which] = np.minimum(
+            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
+        )
+        return marked(found.shape, {DesignReason.INTERFERENCE: play < -LARGEST_OVERLAP})
+
+    def _broken_rules(self) -> IntArray:
+        drive, driven, module = self.drive, self.driven, self.drive.module
+        ratio, backlash = self.contact_ratio, self.normal_backlash
+        margins = self.involute_margins
+        deep = (margins[0] < 0.0) & ~drive.undercut | (margins[1] < 0.0) & ~driven.undercut
+        lands = np.minimum(drive.tip_land / module, driven.tip_land / driven.module)
+        rooms = np.minimum(*self.root_clearances) / module
+        least = rules.least_normal_backlash(module, self.center_distance)
+        return marked(
+            module.shape,
+            {
+                DesignReason.CONTACT_RATIO_RULE: (ratio < rules.MIN_CONTACT_RATIO)
+                | (ratio > rules.MAX_SPUR_CONTACT_RATIO),
+                DesignReason.TIP_LAND_RULE: lands < rules.MIN_TIP_LAND,
+                DesignReason.UNDERCUT_RULE: drive.undercut | driven.undercut,
+                DesignReason.INTERFERENCE_RULE: deep,
+                DesignReason.ROOT_CLEARANCE_RULE: rooms < rules.MIN_ROOT_CLEARANCE,
+                DesignReason.BACKLASH_RULE: (backlash < least)
+                | (backlash > rules.MAX_BACKLASH * module),
+                DesignReason.TRAPPED_VOLUME_RULE: self.trapped_volumes[2]
+                > rules.VENTED_SHARE * self.face_width * module**2,
+            },
+        )
+
+
+def distance_of_backlash(
+    drive: InvoluteGears, driven: InvoluteGears, normal_backlash: Array
+) -> Array:
+    """Centre distances that leave a normal backlash; NaN where there is none. [m]."""
+    total = drive.base_radius + driven.base_radius
+    target = tight_involute(drive, driven) + 0.5 * normal_backlash / total
+    allowed = (normal_backlash >= 0.0) & (normal_backlash <= _LARGEST_BACKLASH * drive.module)
+    largest = np.tan(_LARGEST_ANGLE) - _LARGEST_ANGLE
+    target = np.where(allowed & (target > 0.0) & (target < largest), target, np.nan)
+    # from above, Newton's iterates fall towards the root of a convex function
+    angle = np.minimum(np.cbrt(3.0 * target), _LARGEST_ANGLE)
+    for _ in range(_NEWTON_STEPS):
+        tangent = np.tan(angle)
+        step = (tangent - angle - target) / tangent**2
+        angle = angle - step
+        if not np.any(step > 1e-15):
+            break
+    return np.asarray(total / np.cos(angle))
 
 
 def evaluate_designs(

@@ -25,6 +25,8 @@ TOOTH_TIP = PathCategory("tooth_tip", "tooth tips", "#0072B2", "gap")
 
 GEARS = ("drive", "driven")
 MOTIONS = 5
+_RAYS = 1440
+_SEALING_CLEARANCES = 3.0
 
 
 def flow_paths(
@@ -104,10 +106,6 @@ def grooves_by_port(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
         return {}
     found = groove_openings(spaces, groove_polygons(assembly), grooves.depth)
     return {name.removeprefix("groove_"): table for name, table in found.items()}
-
-
-_RAYS = 1440
-_SEALING_CLEARANCES = 3.0
 
 
 @final

@@ -40,6 +40,9 @@ BODIES = ("drive_gear", "driven_gear")
 BLOCKS = "bearing_blocks"
 MOTIONS = mesh_motions(BODIES)
 """Micro-motions; the drive gear's rotation is the shaft angle."""
+_FULL_TURN = 2.0 * np.pi
+_ON_FLANK = 1e-4
+"""Distance up to which the outline of a chamber runs along a flank. [m]"""
 
 
 def flank_pair(assembly: Assembly) -> FlankPair:
@@ -135,11 +138,6 @@ def _figure_eight(assembly: Assembly) -> Array:
     above = np.linspace(high, 2.0 * np.pi - high, 180) - 0.5 * np.pi
     center = np.array([0.0, distance])
     return np.vstack([polar(lower, below)[:-1], polar(upper, above)[:-1] + center])
-
-
-_FULL_TURN = 2.0 * np.pi
-_ON_FLANK = 1e-4
-"""Distance up to which the outline of a chamber runs along a flank. [m]"""
 
 
 def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLateralFilm, ...]:

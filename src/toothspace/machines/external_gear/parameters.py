@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from toothspace.geometry.gear_finder import FoundGear
     from toothspace.geometry.tooth_deviations import ToothDeviations
 
+_COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -234,9 +236,6 @@ def _only_polygon(path: Path | None, key: str) -> Array | None:
     if len(polygons) != 1:
         raise CaseError(key, f"{len(polygons)} polygons in {path.name}", "one polygon")
     return polygons[0]
-
-
-_COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
 
 
 def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:

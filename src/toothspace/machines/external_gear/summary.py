@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.advice.gear_rules import bearing_checks, contact_ratio_check, pair_checks
-from toothspace.advice.strength import strength_checks
+from toothspace.advice.gear_rules import (
+    bearing_checks,
+    contact_ratio_check,
+    pair_checks,
+    strength_checks,
+)
 from toothspace.advice.trapping import (
     TYPICAL,
     DesignCondition,
@@ -43,6 +47,13 @@ from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalB
 if TYPE_CHECKING:
     from toothspace.geometry.gear_finder import FoundGear
     from toothspace.geometry.profile_detection import DetectedGear
+
+_LARGEST_CHORD = 2e-6
+_LARGEST_FORM_ERROR = 4e-3
+"""Of the module: about the total profile tolerance of ISO 1328-1 class 8 for small gears. [-]"""
+_UNEQUAL_PITCH = 1e-3
+DEEPEST_CUT = 0.127e-3
+"""Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
 
 
 def geometry_summary(
@@ -83,12 +94,6 @@ def geometry_summary(
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
-
-
-_LARGEST_CHORD = 2e-6
-_LARGEST_FORM_ERROR = 4e-3
-"""Of the module: about the total profile tolerance of ISO 1328-1 class 8 for small gears. [-]"""
-_UNEQUAL_PITCH = 1e-3
 
 
 def tooth_data(assembly: Assembly) -> dict[str, object]:
@@ -261,10 +266,6 @@ def _form(detected: DetectedGear) -> DesignCheck:
         "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
         "computes with the flanks of the file, with mesh = \"elastic\" under load.",
     )  # fmt: skip
-
-
-DEEPEST_CUT = 0.127e-3
-"""Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
 
 
 def design_checks(

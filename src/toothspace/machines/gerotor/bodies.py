@@ -54,6 +54,10 @@ from toothspace.model.film_faces import (
 
 BODIES = ("inner_rotor", "outer_rotor")
 _CIRCLE_POINTS = 361
+_SECTORS = 24
+"""About how many parts the solved film round the outer rotor has."""
+_LEAST_RADIUS = 0.1
+"""Inner rim of the grid over the shaft's radius, if the shaft stands round the origin. [-]"""
 
 
 def motions(parameters: GerotorParameters) -> tuple[Motion, ...]:
@@ -175,12 +179,6 @@ def outlines(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -> di
         "port_inlet": ports.contours["inlet"],
         "port_outlet": ports.contours["outlet"],
     }
-
-
-_SECTORS = 24
-"""About how many parts the solved film round the outer rotor has."""
-_LEAST_RADIUS = 0.1
-"""Inner rim of the grid over the shaft's radius, if the shaft stands round the origin. [-]"""
 
 
 @final

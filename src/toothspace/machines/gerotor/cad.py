@@ -28,6 +28,8 @@ from toothspace.machines.gerotor.rotor_files import (
 from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
 
 _CIRCLE_POINTS = 360
+_RIM = 1.2
+"""Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
 
 
 def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Path]:
@@ -63,10 +65,6 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
         paths.append(stem.with_name(f"{stem.name}_contacts.txt"))
         export_contacts(paths[-1], lobe_contacts(rotors))
     return paths
-
-
-_RIM = 1.2
-"""Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
 
 
 def draft_case(

@@ -48,6 +48,11 @@ COLUMNS = (
     "rolling_sum[m/rad]",
 )  # fmt: skip
 """Columns of the exported table; angle, rate and speeds per angle of the outer rotor."""
+_OUTER_SAMPLES = 260
+_BISECTIONS = 26
+_LOST_NODES = 3
+_FARTHEST, _SEARCHED = 0.24, 0.32
+"""Step of a closest place, and gap that is looked at, over the eccentricity. [-]"""
 
 
 @final
@@ -258,13 +263,6 @@ def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
             ]
             np.savetxt(file, np.column_stack(columns)[contact.near], fmt="%.9e")
             file.write("\n")
-
-
-_OUTER_SAMPLES = 260
-_BISECTIONS = 26
-_LOST_NODES = 3
-_FARTHEST, _SEARCHED = 0.24, 0.32
-"""Step of a closest place, and gap that is looked at, over the eccentricity. [-]"""
 
 
 @final

@@ -33,6 +33,10 @@ from toothspace.machines.gerotor.rotor_files import RotorParameters
 FULL_TURN = 2.0 * np.pi
 _FINER = 8
 _OVERLAP_LIMIT = 50e-6
+RADIUS_RANGE = (20e-6, 1.0)
+"""Relative radii of curvature are kept in this range: cusps count with the lower end. [m]."""
+_LOBE_SAMPLES = 240
+_MISS_WEIGHT = 0.02
 
 
 @final
@@ -138,13 +142,6 @@ def area_by_motion(pocket: Pockets) -> Array:
     chord = ahead - behind
     turned = 0.5 * (np.sum(behind**2, axis=1) - np.sum(ahead**2, axis=1))
     return np.column_stack([-chord[:, 1], chord[:, 0], chord[:, 1], -chord[:, 0], turned])
-
-
-RADIUS_RANGE = (20e-6, 1.0)
-"""Relative radii of curvature are kept in this range: cusps count with the lower end. [m]."""
-
-_LOBE_SAMPLES = 240
-_MISS_WEIGHT = 0.02
 
 
 @final

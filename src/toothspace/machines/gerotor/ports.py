@@ -17,6 +17,7 @@ from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 
 _POLYGON_POINTS = 80
 _LEAST_AREA = 1e-12
+_CLOSED_AREA = 0.02e-6
 
 
 @final
@@ -212,9 +213,6 @@ def _between(points: Array, center: Array, first: Array, last: Array) -> Array:
     end = np.mod(np.arctan2(*(last - center)[::-1]) - start, FULL_TURN)
     inside = np.flatnonzero((place > 0.0) & (place < end))
     return np.asarray(points[inside[np.argsort(place[inside])]], dtype=float)
-
-
-_CLOSED_AREA = 0.02e-6
 
 
 @final

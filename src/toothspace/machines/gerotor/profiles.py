@@ -30,6 +30,15 @@ from toothspace.machines.gerotor.rotor_files import (
 _CONTOUR_SAMPLES = 12_000
 _NEWTON_STEPS = 5
 _CURVATURE_REACH = 60e-6
+_SAMPLES = 2000
+_LEAST_LOBE = 1.05
+POINTS_PER_TOOTH = 480
+_UNITS = ("mm", "m", "um", "in")
+_LEAST_EDGE = 1e-9
+_FEWEST_EDGES = 16
+_POINTS_FOR_PHASE = 2000
+_LEAST_OF_RIM = 0.5
+"""Of the outside diameter of an outer rotor: the width across its lobes is more. [-]"""
 
 
 @final
@@ -102,10 +111,6 @@ def contour(points: Array) -> Contour:
     length = float(along[-1])
     places = np.arange(_CONTOUR_SAMPLES) * (length / _CONTOUR_SAMPLES)
     return Contour(length, spline, scipy.spatial.cKDTree(spline(places)))
-
-
-_SAMPLES = 2000
-_LEAST_LOBE = 1.05
 
 
 @final
@@ -284,16 +289,6 @@ def cycloid(tooth_count: int, rolling_radius: float, points_per_tooth: int) -> A
     places = -0.5 * np.pi + half_pitch * (2.0 * np.arange(tooth_count) - 0.5)
     points = (np.exp(1j * places)[:, None] * one[None, :]).ravel()
     return np.column_stack([points.real, points.imag])
-
-
-POINTS_PER_TOOTH = 480
-
-_UNITS = ("mm", "m", "um", "in")
-_LEAST_EDGE = 1e-9
-_FEWEST_EDGES = 16
-_POINTS_FOR_PHASE = 2000
-_LEAST_OF_RIM = 0.5
-"""Of the outside diameter of an outer rotor: the width across its lobes is more. [-]"""
 
 
 @final

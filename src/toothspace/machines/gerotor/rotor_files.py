@@ -32,6 +32,10 @@ from toothspace.geometry.cad_import import is_solid, load_body_sections, load_cl
 from toothspace.geometry.curve import counter_clockwise
 from toothspace.geometry.tooth_count import repeating_teeth
 
+_PARALLEL = 1e-6
+_LEAST_DISTANCE = 10e-6
+"""Rotors drawn about one centre each are closer. [m]"""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -99,11 +103,6 @@ class RotorParameters(KeyTable):
             require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
         else:
             forbid(self, 'unless kind = "trochoidal"', "generating_radius", "lobe_radius")
-
-
-_PARALLEL = 1e-6
-_LEAST_DISTANCE = 10e-6
-"""Rotors drawn about one centre each are closer. [m]"""
 
 
 @final

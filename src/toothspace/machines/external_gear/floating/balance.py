@@ -47,6 +47,18 @@ _HALVINGS = 40
 _SHARED = 0.01
 """Part of a nose that may lie in the high-pressure area, as drawn outlines overlap a little. [-]"""
 _SIDES: tuple[Side, ...] = ("floating", "solid")
+COARSE = MeshSize(0.16, 0.16, 0.13)
+"""A few thousand elements for each body."""
+_KEYS = dict(zip((*_SIDES, *BODIES), ("floating_bearing", "solid_bearing", *BODIES), strict=True))
+_AXES: tuple[tuple[str, LoadSource], ...] = (("x", "journal_x"), ("y", "journal_y"))
+_ON_THE_CUT = 1e-6
+"""Distance up to which a spring stands on the cut of a split bearing. [m]"""
+_ON_OUTLINE = 1e-5
+"""Distance up to which an edge of the high-pressure area is the outline of the face. [m]"""
+_EDGE = 0.1
+"""Edge of the tetrahedra of bodies from files over the tip radius, if not given. [-]"""
+_SHARE = 0.5
+"""Each of both bearings carries this share of the journal force on a gear. [-]"""
 
 
 def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
@@ -294,20 +306,6 @@ def _high_pressure(assembly: Assembly, block: FloatingBlock, face: Any) -> Any |
             f"below {limit} mm",
         )
     return part
-
-
-COARSE = MeshSize(0.16, 0.16, 0.13)
-"""A few thousand elements for each body."""
-_KEYS = dict(zip((*_SIDES, *BODIES), ("floating_bearing", "solid_bearing", *BODIES), strict=True))
-_AXES: tuple[tuple[str, LoadSource], ...] = (("x", "journal_x"), ("y", "journal_y"))
-_ON_THE_CUT = 1e-6
-"""Distance up to which a spring stands on the cut of a split bearing. [m]"""
-_ON_OUTLINE = 1e-5
-"""Distance up to which an edge of the high-pressure area is the outline of the face. [m]"""
-_EDGE = 0.1
-"""Edge of the tetrahedra of bodies from files over the tip radius, if not given. [-]"""
-_SHARE = 0.5
-"""Each of both bearings carries this share of the journal force on a gear. [-]"""
 
 
 class _BlockPart(NamedTuple):

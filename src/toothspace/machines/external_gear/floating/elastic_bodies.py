@@ -41,6 +41,12 @@ _SAMPLES = 24
 """Places along a flank at which the chamber is looked up. [-]"""
 _SIDES = ("left", "right")
 """Flanks of a space: the left one of the tooth before it, the right one of the tooth after it."""
+_NAMES = ("drive", "driven")
+_SPRING_RADIUS = 0.05
+"""Radius of the patch that carries a spring over the tip radius. [-]"""
+_OUTSIDE = 0.9
+"""Radius from which a face counts as the outside of a bearing over the tip radius. [-]"""
+_INSIDE = 1.0 - 1e-6
 
 
 def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
@@ -158,13 +164,6 @@ class GearFlanks:
 
 
 BearingSide = Literal["floating", "solid"]
-
-_NAMES = ("drive", "driven")
-_SPRING_RADIUS = 0.05
-"""Radius of the patch that carries a spring over the tip radius. [-]"""
-_OUTSIDE = 0.9
-"""Radius from which a face counts as the outside of a bearing over the tip radius. [-]"""
-_INSIDE = 1.0 - 1e-6
 
 
 @final
