@@ -54,11 +54,10 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "form in the browser": ("app/*",),
     "kinematics of many designs at once": (
-        "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
-        "studies/design_scan.py",
+        "machines/external_gear/designs.py", "geometry/*_designs.py", "studies/design_scan.py",
     ),
     "lateral films looked up at every instant": (
-        "model/lateral_lo*.py", "model/lateral_table.py", "solver/lateral_lookup.py",
+        "model/lateral_lo*.py", "model/lateral_table.py",
     ),
     "functional mock-up units": ("fmi/*",),
     "bodies that lift and tilt between covers": (

@@ -1,15 +1,19 @@
 """Find the entries of compiled code and their types by running cases.
 
 ``python -m native.record`` runs cases that reach all that Python calls and writes
-``native/entries.txt``: one entry a line with the types of its arguments. An entry whose types
-change is recorded anew.
+``native/entries.txt``: one entry a line with the types of its arguments. What only elastic bodies
+reach is kept as it stands; ``python -m native.record CASE run.fidelity=elastic`` runs one more
+case, with overrides as ``KEY=VALUE`` behind it.
 """
 
 from __future__ import annotations
 
 import os
+import re
 import sys
+import tempfile
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +35,7 @@ def record(run: Callable[[], None]) -> dict[str, str]:
         if "<locals>" not in function.__qualname__:
             name = f"{function.__module__.removeprefix('toothspace.')}.{function.__qualname__}"
             types = text_of(tuple(arguments))
-            if found.setdefault(name, types) != types:
-                sys.stderr.write(f"{name}: {types}\n  beside {found[name]}\n")
+            found[name] = widened(found.get(name, types), types)
         return call(kernel, *arguments)
 
     Kernel.__call__ = noted
@@ -43,8 +46,28 @@ def record(run: Callable[[], None]) -> dict[str, str]:
     return found
 
 
-def reach_all() -> None:
-    """Run what reaches every entry, as short as it can be."""
+_LAYOUT = re.compile(r"(?<=\[\d)[CFA](?=\])")
+
+
+def widened(former: str, types: str) -> str:
+    """Types for both: arrays that differ in layout alone may have any; else the later ones."""
+    if _LAYOUT.sub("A", former) != _LAYOUT.sub("A", types):
+        return types
+    layouts = iter(_LAYOUT.findall(former))
+    return _LAYOUT.sub(lambda own: own[0] if next(layouts) == own[0] else "A", types)
+
+
+def is_there(name: str) -> bool:
+    """Whether an entry still is a function of its module."""
+    module, function = name.rsplit(".", 1)
+    try:
+        return hasattr(import_module(f"toothspace.{module}"), function)
+    except ImportError:
+        return False
+
+
+def reach_all(more: list[str]) -> None:
+    """Run what reaches every entry, as short as it can be, and one more case."""
     from toothspace import api
 
     folder = REPOSITORY / "src" / "toothspace" / "library" / "warmup"
@@ -62,13 +85,30 @@ def reach_all() -> None:
         name: lambda name=name: api.solve_film(api.load_case(cases / f"{name}.toml"))  # type: ignore[misc]
         for name in ("slider_pad", "thrust_ring", "adiabatic_pad", "egm12_lateral_film")
     }
+    if more:
+        runs[more[0]] = lambda: api.simulate(api.load_case(more[0], more[1:]))
     for name, run in runs.items():
         sys.stderr.write(f"{name}\n")
         run()
 
 
-if __name__ == "__main__":
-    os.environ["TOOTHSPACE_COMPILATION"] = "jit"
-    known = read_entries() | record(reach_all)
+def main() -> None:
+    """Record with an empty cache but for compiled code, so that nothing is taken from there."""
+    from toothspace.core.compilation.sources import compiled_folder
+
+    kept = compiled_folder()
+    with tempfile.TemporaryDirectory() as folder:
+        own = Path(folder) / "toothspace"
+        own.mkdir()
+        (own / "compiled").symlink_to(kept)
+        os.environ |= {"TOOTHSPACE_CACHE": folder, "TOOTHSPACE_COMPILATION": "jit"}
+        found = record(lambda: reach_all(sys.argv[1:]))
+    known = {name: types for name, types in read_entries().items() if is_there(name)}
+    for name, types in found.items():
+        known[name] = widened(known.get(name, types), types)
     lines = [f"{name} {types}\n" for name, types in sorted(known.items())]
     ENTRIES.write_text(HEADER + "".join(lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

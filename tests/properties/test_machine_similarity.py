@@ -66,6 +66,7 @@ def sized(name: str, factor: float, **run: Any) -> Case:
     def with_oil(case: Case, viscosity: Array) -> Case:
         tables = case.to_dict()
         tables["fluid"].pop("name", None)
+        tables.pop("heat", None)  # walls and bodies conduct heat by laws of other powers
         columns = {**OIL, "dynamic_viscosity [Pa s]": viscosity.tolist()}
         return Case.from_dict({**tables, "fluid": tables["fluid"] | {"table": columns}}, CASES)
 

@@ -40,6 +40,7 @@ from toothspace.run.condition import condition_of, fluid_of
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, RIM, GAP = 10e-3, 26e-3, 20e-6
 VISCOSITY, SPEED, PRESSURE = 0.03, 80.0, 50e5
+SIDE_GAP = float(api.load_case(CASE).value("machine.lateral.side_gap"))
 
 
 class Ring:
@@ -158,16 +159,18 @@ def test_rotors_lean_on_a_cover_and_tilt_as_far_as_it_lets_them() -> None:
     found = rotors("one", "full")
     assert found.places.warning == ""
     lower, higher = found.planes
-    np.testing.assert_allclose((lower + higher)[..., 0], 2.0 * GAP)
+    np.testing.assert_allclose((lower + higher)[..., 0], 2.0 * SIDE_GAP)
     np.testing.assert_allclose((lower + higher)[..., 1:], 0.0, atol=1e-12)
     lift, tilt_x, tilt_y, least = np.moveaxis(found.places.at(np.zeros(1))[0], -1, 0)
     assert lift[0] > 0.0  # the inner rotor leaves the kidneys
-    # asperities of 0.72 um begin to carry below some four times that
-    assert np.all((least > 0.5e-6) & (least < 4e-6))
-    middle = 2.0 * GAP - np.array([lower[0, 0, 0], higher[0, 1, 0]])
-    assert np.all(np.hypot(tilt_x, tilt_y) * RIM < middle)
+    # asperities of 0.72 um begin to carry below some four times that: under the outer rotor
+    assert np.all((least > 0.5e-6) & (least < 0.5 * SIDE_GAP))
+    assert least[1] < 4e-6
+    middle = 2.0 * SIDE_GAP - np.array([lower[0, 0, 0], higher[0, 1, 0]])
+    radius = np.array([g.interface.face.outer_radius for g in found.last.stack.grids[:2]])
+    assert np.all(np.hypot(tilt_x, tilt_y) * radius < middle)
     assert np.all(np.hypot(tilt_x, tilt_y) > 0.0)
-    assert found.asperity_torque["inner_rotor"] > 0.0
+    assert found.asperity_torque["outer_rotor"] > 0.0
 
 
 def test_rotors_that_only_lift_stay_parallel_and_carry_their_force_on_asperities() -> None:
@@ -189,7 +192,7 @@ def test_covers_alike_neither_lift_nor_tilt_parallel_rotors() -> None:
     stack = cover_stack(description, fluid_of(case), SPEED, (30, 8))
     pressure = np.linspace(1e5, 41e5, description.drain_node + 1)
     snapshots = [stack.snapshot(angle, pressure) for angle in (0.1, 0.7)]
-    balance = state_at(stack, snapshots, stack.start(GAP))
+    balance = state_at(stack, snapshots, stack.start(SIDE_GAP))
     for state in balance.states:
         scale = 41e5 * math.pi * RIM**2
         np.testing.assert_allclose(state.film_force()[3:], 0.0, atol=1e-9 * scale)
@@ -213,5 +216,6 @@ def test_pump_with_tilting_rotors_closes_its_ledgers() -> None:
     assert found["mass_balance_error"] < 1e-10
     data = solution.data
     assert np.all(data["face_film_height"] > 0.0)
-    assert float(np.abs(data["body_tilt"]).max()) * RIM < 2.0 * GAP
-    assert float(data["body_position"].sel(body="inner_rotor", axis="z").min()) > 0.0
+    assert float(np.abs(data["body_tilt"]).max()) * RIM < 2.0 * SIDE_GAP
+    least = data["face_film_height"].min("shaft_angle")  # each leans on a cover
+    assert np.all((least > 0.5e-6) & (least < 0.5 * SIDE_GAP))

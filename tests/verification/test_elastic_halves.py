@@ -284,8 +284,8 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
 def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
     """58 bar: every half rests on its films, and nothing is left of the loads on it.
 
-    Each finds its own place, a fifth of a micrometre off that of the bearing in one piece; the mean
-    of all gaps is that of one piece.
+    Pressures of either gear tip its half about the line that joins the gears, one against the
+    other: a bearing in one piece cannot follow and rides higher. Behind the gears gaps are alike.
     """
     found = {split: _fuel_pump(split) for split in ("false", "true")}
     gaps = {}
@@ -298,7 +298,8 @@ def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
         push = (back.high - back.low) * state.stack.balance.floating.high_pressure.area
         moving_bearings = HALVES if split == "true" else ("floating",)
         for name in moving_bearings:
-            assert np.abs(left[name][:3]).max() < 0.01 * push
+            assert abs(left[name][2]) < 0.01 * push
+            assert np.abs(left[name][:2]).max() < 0.02 * push
         gaps[split] = state.mean_gaps()
-    assert gaps["true"] == pytest.approx(gaps["false"], abs=0.3e-6)
-    assert np.mean(gaps["true"]) == pytest.approx(np.mean(gaps["false"]), rel=0.08)
+    assert gaps["true"][2:] == pytest.approx(gaps["false"][2:], abs=0.3e-6)
+    assert np.all(gaps["true"][:2] < gaps["false"][:2])

@@ -165,7 +165,9 @@ def test_single_contact_theory_hands_over_once_a_pitch(
     assert [pair.name for pair in description.contacts] == ["lobe_0"]
     assert found.span == pytest.approx(1.0, abs=0.05)
     moments = [contact_sums(d, s)[2] for d, s in (multiple, (description, solution))]
-    assert moments[1] == pytest.approx(moments[0], rel=0.04)
+    # between lobes that press on either side friction takes part in turning the outer rotor
+    normal = float(np.asarray(multiple[1].data["contact_force"])[:-1].sum(axis=1).mean())
+    assert abs(moments[1] - moments[0]) < 0.04 * moments[0] + 0.1 * normal * 22e-3
 
 
 def test_figures_of_a_gerotor(multiple: tuple[MachineDescription, Solution]) -> None:

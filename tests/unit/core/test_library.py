@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from native.compile import target
+from native.record import widened
 from native.signatures import ArrayType, Scalar, TupleType, parsed, read_entries, text_of
 from toothspace.core.compilation import library
 from toothspace.core.compilation.entry import Entry
@@ -206,3 +207,9 @@ def test_an_unknown_way_is_refused() -> None:
         check=False,
     )
     assert "TOOTHSPACE_COMPILATION: found fast, allowed library, jit or plain" in done.stderr
+
+
+def test_types_that_differ_in_layout_take_any() -> None:
+    assert widened("(f8[2F],i8,f8[1C])", "(f8[2C],i8,f8[1C])") == "(f8[2A],i8,f8[1C])"
+    assert widened("(f8[2A])", "(f8[2C])") == "(f8[2A])"
+    assert widened("(f8[2C],i8)", "(f8[2C])") == "(f8[2C])"

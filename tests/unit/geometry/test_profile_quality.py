@@ -168,7 +168,8 @@ def test_undercut_of_a_profile_is_reported(tmp_path: Path) -> None:
     gear = InvoluteGear(9, 2.75e-3, tip_rounding=1e-4)
     points = outline(200, gear)
     distance = "machine.gears.center_distance=25 mm"
-    keys = (distance, "machine.journal_bearings.diameter=12 mm")
+    area = "machine.floating_bearing.high_pressure_area.area=600 mm^2"
+    keys = (distance, "machine.journal_bearings.diameter=12 mm", area)
     found = summary_of(tmp_path, points, *keys)
     assert found["undercut"] is True
 
