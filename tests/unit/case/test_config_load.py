@@ -152,7 +152,7 @@ def test_values_are_in_si_units() -> None:
     case = load_case(MOTOR)
     tooth = case.machine_spec.drive.tooth
     assert (tooth.tooth_count, tooth.module) == (12, pytest.approx(2.75e-3, rel=1e-12))
-    assert case.machine.casing.inlet_angle == pytest.approx(math.radians(259.0), rel=1e-12)
+    assert case.machine.casing.inlet_angle == pytest.approx(math.radians(205.0), rel=1e-12)
     assert case.machine.casing.wear_in.pressure == pytest.approx(260e5, rel=1e-12)
     assert case.machine.bearing_blocks.radial_clearance == pytest.approx(25e-6, rel=1e-12)
     assert case.fluid is not None

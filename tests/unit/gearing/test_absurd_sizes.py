@@ -50,7 +50,7 @@ def test_blocks_carry_both_gears_along() -> None:
     play, cut = checks["bearing play of both gears"], checks["cut into the casing"]
     assert play.value == pytest.approx(2.0 * 0.009)
     assert play.passed
-    assert cut.value == pytest.approx(250.0 + 9.0 - 20.0)
+    assert cut.value == pytest.approx(250.0 + 9.0 - 35.0)
     assert not cut.passed
 
 
