@@ -209,6 +209,8 @@ def report_contents(
         "limits": limits_of(solution, description),
         "findings": findings,
         "status_line": status_line(solution.status, findings),
+        "trusted": solution.status.succeeded
+        and not any(finding.severity == "serious" for finding in findings),
     }
 
 

@@ -134,8 +134,8 @@ def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
             found=reached,
             allowed=f"up to {known}",
             severity="serious",
-            advice="Look where fluid is enclosed: relief grooves, backlash and the timing of the "
-            "ports.",
+            advice="Let enclosed fluid out: give machine.relief_grooves (two sides of the mesh, "
+            "their offsets and depth), widen backlash, or change the timing of the ports.",
         )
 
 

@@ -33,6 +33,7 @@ from toothspace.run.load_orifice import march_against_orifice
 from toothspace.run.running_in import Tracks, run_in
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
+from toothspace.solver.flow_regime import flow_regimes
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
@@ -136,7 +137,7 @@ class Run:
                     history, told = march_to_balance(system, plan, progress, state), ""
                 last = history if history.status is Status.DONE else None
                 found = solution_from(history, self.provenance, self.values, case.title)
-                found = found.short_of(told)
+                found = found.short_of(told).with_note(*flow_regimes(history))
                 settled = seats.agree_with(found)
             return self._marked(seats.noted(found))
 

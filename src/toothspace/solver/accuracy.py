@@ -18,6 +18,8 @@ ENERGY_BALANCE = 1e-5
 
 _TIGHTER = 0.1
 _TIGHTEST = 1e-9
+_NEARER = 0.5
+"""Change between revolutions over that at ten times the tolerance that errors would leave. [-]"""
 
 
 def march_to_balance(
@@ -72,7 +74,11 @@ def balanced(history: History, plan: RunPlan, progress: Progress | None = None) 
         again = march_revolutions(tighter, rest, progress, first_turn_state(history))
         if repeats and again.status is not Status.DONE:
             break
+        as_far_apart = again.apart > _NEARER * history.apart
         history = _counted(again, tolerance, history.statistics)
+        # what smaller errors do not bring closer is the machine's own
+        if history.status is Status.NOT_REPEATING and as_far_apart:
+            break
     return history
 
 

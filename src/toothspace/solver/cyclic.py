@@ -82,6 +82,8 @@ class History:
     statistics: dict[str, float]
     dense: DenseStates | None = None
     """The same revolution with all states that extremes are looked for in, if it has them."""
+    apart: float = np.inf
+    """Smallest of the last changes from one revolution to the next, over what counts as none."""
 
 
 def march_revolutions(
@@ -152,6 +154,7 @@ def march_revolutions(
         done,
         {**march.statistics, "revolutions": float(done)},
         DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
+        min(changes[-_WAIT:], default=np.inf),
     )
 
 

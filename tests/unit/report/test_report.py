@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from tests.fake_solution import fake_description, fake_solution
 from toothspace.advice.findings import findings_of, limits_of, verdict
 from toothspace.api import describe, load_case, machine_of
+from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import html, report_html, write_report
@@ -136,6 +138,15 @@ def test_report_shows_every_figure_and_chapter(page: str, parsed: Resources) -> 
 def test_text_of_the_case_is_escaped(page: str) -> None:
     assert "Fake &lt;motor&gt;" in page
     assert "Fake <motor>" not in page
+
+
+@pytest.mark.usefixtures("few_figures")
+@pytest.mark.parametrize(("severity", "badge"), [("serious", "badge "), ("note", "badge good")])
+def test_badge_is_green_only_where_nothing_is_serious(severity: Any, badge: str) -> None:
+    found = Finding("warning", "Pressures reach 2027 bar.", severity=severity)
+    bare = replace(fake_solution(), status=Status.DONE, warnings=())
+    page = report_html(bare.with_note(found), None)
+    assert re.search(rf'<span class="{badge}">done, \d+ finding', page)
 
 
 def test_machine_turns_over_one_pitch(page: str) -> None:

@@ -125,3 +125,24 @@ def test_stalled_changes_are_told_from_slow_ones() -> None:
     assert cyclic._stalled([1e3, 1e2, *noise])
     assert not cyclic._stalled(noise[:11])
     assert not cyclic._stalled([1e3 * 0.95**k for k in range(40)])
+
+
+@pytest.mark.parametrize(("second", "marches"), [(9.0, 2), (1.0, 4)])
+def test_what_smaller_errors_do_not_bring_closer_is_left(
+    second: float, marches: int, machine: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Revolutions 10 limits apart: 9 at a tenth of the tolerance is no error of integration."""
+    apart = iter([10.0, second, 0.1, 0.01])
+    asked = []
+
+    def march(system: Any, *_: Any) -> History:
+        asked.append(system.condition.relative_tolerance)
+        nothing, statistics = np.zeros((1, 1)), {"revolutions": 10.0}
+        status = Status.NOT_REPEATING
+        return History(status, system, nothing, nothing, (), 10, statistics, None, next(apart))
+
+    monkeypatch.setattr(accuracy, "march_revolutions", march)
+    monkeypatch.setattr(accuracy, "first_turn_state", lambda _: None)
+    history = march_to_balance(machine, RunPlan(max_revolutions=60))
+    assert history.status is Status.NOT_REPEATING
+    assert len(asked) == marches
