@@ -169,7 +169,8 @@ def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -
 @pytest.mark.parametrize(("name", "side"), [("egm12_pump", "inlet"), ("egm12_motor", "outlet")])
 def test_running_in_cuts_the_low_pressure_side_only(name: str, side: str) -> None:
     """Casing angle from opposite the mesh in the sense of rotation: outlet first, inlet last."""
-    data = solved(name).data
+    # gears that lie 34 um off just reach a bore of 35 um
+    data = solved(name, 'machine.casing.radial_clearance="20 um"').data
     angle = np.degrees(np.asarray(data["casing_angle"]))
     depth = np.asarray(data["running_in_depth"])
     assert depth.max() > 1e-6

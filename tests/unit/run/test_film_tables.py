@@ -51,10 +51,10 @@ def load_by_hand(drop: float) -> float:
     """Half the pressure force on a gear whose spaces lose equal parts of the drop. [N].
 
     Tip circle 40.372 mm, pitch circle 34.567 mm, width 7.63 mm: high pressure from the pitch
-    point to 55 degrees, falling linearly to 290 degrees. Where it is even, only the chord counts.
+    point to 205 degrees, falling linearly to 290 degrees. Where it is even, only the chord counts.
     """
     tip, pitch, width = 20.186e-3, 17.2835e-3, 7.63e-3
-    first, last = np.radians([55.0, 290.0])
+    first, last = np.radians([205.0, 290.0])
     chord = tip * np.array([np.cos(first), np.sin(first)]) - (pitch, 0.0)
     angle = np.linspace(first, last, 2001)
     pressure = drop * (last - angle) / (last - first)
