@@ -31,7 +31,7 @@ def test_a_plausible_result_has_no_warning() -> None:
 def test_pressures_beyond_the_fluid_are_told() -> None:
     found = warnings(fake_solution(), 100e5)
     assert "the properties of the fluid are known to 100 bar only" in found
-    assert "relief grooves" in found
+    assert "give machine.relief_grooves" in found
 
 
 @pytest.mark.parametrize(
