@@ -16,6 +16,7 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_features, get_host_cpu_name
 
 from toothspace import api
+from toothspace.core.compilation.library import compiler_version
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 STORED = Path(__file__).parent / "values.json"
@@ -61,7 +62,7 @@ def rounding(name: str, numbers: Mapping[str, float | str]) -> float:
 
 
 def computer() -> str:
-    """Processor that kernels are compiled for and versions: there the same run repeats its bits.
+    """Processor, versions and way of the compiled code: there the same run repeats its bits.
 
     The environment variables ``NUMBA_CPU_NAME`` and ``NUMBA_CPU_FEATURES`` stand for another one.
     """
@@ -69,7 +70,7 @@ def computer() -> str:
     features = numba.config.CPU_FEATURES
     if features is None:
         features = ",".join(name for name, has in sorted(get_host_cpu_features().items()) if has)
-    return f"{name} {features}; numba {numba.__version__}, numpy {np.__version__}"
+    return f"{name} {features}; numba {compiler_version()}, numpy {np.__version__}"
 
 
 def numbers_of(name: str) -> dict[str, float | str]:
