@@ -72,7 +72,7 @@ until = "cyclic"
 
 @dataclass(frozen=True)
 class Pump:
-    """What is drawn, in mm and degrees; the figures of ``cases/egm12_pump.toml``."""
+    """What is drawn, in mm and degrees; gears and grooves of ``cases/egm12_pump.toml``."""
 
     width: float = 7.63
     distance: float = 34.56747

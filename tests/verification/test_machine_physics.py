@@ -95,7 +95,10 @@ FAST = ('operating_point.shaft_speed="4000 rpm"', 'operating_point.outlet_pressu
 
 @pytest.mark.slow
 def test_throttled_suction_starves_a_fast_pump() -> None:
-    """Air released below atmospheric pressure fills the tooth spaces: 8 % by volume dissolved."""
+    """Air released below atmospheric pressure fills the tooth spaces: 8 % by volume dissolved.
+
+    All that 0.4 bar can release would fill 12 %; there is little time for it.
+    """
 
     def delivery(pressure: str) -> float:
         suction = f'operating_point.inlet_pressure="{pressure}"'
@@ -103,7 +106,7 @@ def test_throttled_suction_starves_a_fast_pump() -> None:
 
     atmospheric = delivery("1 bar")
     assert delivery("0.8 bar") > 0.97 * atmospheric
-    assert delivery("0.4 bar") < 0.91 * atmospheric
+    assert 0.88 * atmospheric < delivery("0.4 bar") < 0.95 * atmospheric
 
 
 TIGHT = 'machine.gears.normal_backlash="20 um"'

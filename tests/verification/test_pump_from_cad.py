@@ -30,6 +30,13 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Case:
 @pytest.fixture(scope="module")
 def described() -> Case:
     keys = {
+        "machine.casing.radial_clearance": "20 um",
+        "machine.casing.outlet_angle": "55 deg",
+        "machine.journal_bearings.radial_clearance": "8 um",
+        "machine.journal_bearings.friction": None,
+        "machine.lateral.side_gap": "8 um",
+        "machine.floating_bearing": None,
+        "heat": None,
         "machine.gears.normal_backlash": None,
         "machine.gears.center_distance": "34.56747 mm",
         "machine.casing.wear_in": None,
