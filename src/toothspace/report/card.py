@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from toothspace.api import describe
+from toothspace import api
 from toothspace.case import Case
 from toothspace.case.document import CONDITIONS
 from toothspace.core.finding import status_line
@@ -25,7 +25,7 @@ def case_card(case: Case) -> str:
     rows |= {name: v for name, v in given[condition].items() if not isinstance(v, (dict, list))}
     section = ""
     if case.machine is not None:
-        displacement = 2e6 * math.pi * describe(case).displacement
+        displacement = 2e6 * math.pi * api.describe(case).displacement
         head = {"machine": f"{readable(case.machine_type)}, {case.machine.mode}"}
         rows = head | {"displacement": f"{displacement:.4g} cm³/rev"} | rows
         section = figure_to_svg(case.plot.section())
