@@ -312,21 +312,19 @@ def test_fuel_pump_settles_at_its_highest_pressure() -> None:
     """155 bar: faces bend by as much as the films are thick."""
     problem, found = _fuel_pump("operating_point.outlet_pressure=155.2 bar")
     assert found.settled
-    assert found.steps <= 12
+    assert found.steps <= 24
     assert found.balance.residual < 1e-6
     numbers = numbers_of(problem, found.balance)
     assert 0.9e-6 < numbers.smallest_gap < 1.2e-6
-    assert 3e-6 < numbers.gaps.mean() < 4e-6
+    assert 5e-6 < numbers.gaps.mean() < 6.5e-6
 
 
-def test_plates_settle_between_bending_bodies() -> None:
-    """Plates of 15 mm at 58 bar, one on each side of the gears: both rest alike."""
+def test_plates_that_the_films_push_away_are_told() -> None:
+    """Plates of 15 mm at 58 bar: behind each lies the area that holds one bearing, too small."""
     plates = "machine.lateral.arrangement=plates", "machine.floating_bearing.length=15 mm"
-    problem, found = _fuel_pump(*plates)
-    assert found.settled
-    assert found.balance.residual < 1e-6
-    gaps = numbers_of(problem, found.balance).gaps
-    assert gaps[:2] == pytest.approx(gaps[2:], rel=1e-3)
+    _, found = _fuel_pump(*plates)
+    assert not found.settled
+    assert "has lifted to its cover" in found.reason
 
 
 def _march(stack: Stack, settings: StepSettings) -> list[Balance]:

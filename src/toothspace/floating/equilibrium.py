@@ -160,6 +160,8 @@ def _leaning(
     goals = step.force_tolerance, step.film_tolerance
     found = relax(stack, snapshots, loads, now, *goals, _RELAXATIONS)
     steps += found.steps
+    if not np.isfinite(found.residual):
+        return Equilibrium(now, False, time, steps, "films and forces do not settle")
     length = search.longest_time - time
     still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)
     # the longest step leaves next to no squeeze: what passes it is an equilibrium of the motion too
@@ -363,6 +365,8 @@ def relax(
         if not good and far > _SHORTEST_STEP:
             far *= _SHRINK
             continue
+        if not np.isfinite(error):
+            break  # films are lost at the shortest step too
         now = found
         far = min(far * _GROWTH, _LONGEST_STEP) if error <= _GOOD * size else far
     return Relaxed(now.states, _size(stack, now.force) / scale, taken)

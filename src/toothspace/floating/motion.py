@@ -35,6 +35,8 @@ _HELPED = 0.5
 """Part of the residual above which a step left too much and asks for a fresh Jacobian. [-]"""
 _NOISE = 5.0
 """Residual over the goal above which its change shows the derivative of the forces. [-]"""
+_LOST = 1e6
+"""Change of a deformation over the gap beyond which films are lost and a step is given up. [-]"""
 _MOST_FAILURES = 3
 """Films that may fail one after another before a step is given up."""
 
@@ -228,7 +230,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         converged = balanced and settled and firm
         step = found.step
-        if converged or not np.isfinite(step).all():
+        if converged or not np.isfinite(step).all() or not change < _LOST:
             break
         step = deformation.follow(states, step, step / task.duration)
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step

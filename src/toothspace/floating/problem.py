@@ -126,7 +126,8 @@ class LateralProblem:
     def settle(self, start: Balance) -> Equilibrium:
         """Let bearings and gears move until they settle, forces averaged over a pitch."""
         search = SearchSettings(longest_time=self.settings.dwell)
-        with cores_for_fields():
+        # films of bodies that fly apart overflow: the search ends and says so
+        with cores_for_fields(), np.errstate(over="ignore", invalid="ignore"):
             return find_equilibrium(
                 self.stack, self.snapshots, self.loads, start, search, self._step(1e-6)
             )

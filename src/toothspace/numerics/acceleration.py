@@ -65,5 +65,8 @@ class Mixing:
         if known == 0:
             return found
         steps, bends = self._steps[:known], self._bends[:known]
-        shares = np.linalg.lstsq(self._square[:known, :known], bends @ residual, rcond=_ROUNDING)[0]
+        square, bent = self._square[:known, :known], bends @ residual
+        if not (np.isfinite(square).all() and np.isfinite(bent).all()):
+            return found  # what is iterated is lost, which its own residual tells
+        shares = np.linalg.lstsq(square, bent, rcond=_ROUNDING)[0]
         return np.asarray(found - shares @ steps - self._part * (shares @ bends))
