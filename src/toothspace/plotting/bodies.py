@@ -101,9 +101,9 @@ def casing_wear(solution: Solution, description: MachineDescription | None = Non
     """Running-in depth of the casing: around each gear as it lies, and along the bore."""
     depth = 1e6 * solution.data["running_in_depth"]
     angle = np.asarray(solution.data["casing_angle"])
-    bodies = [str(body) for body in depth["body"].values if float(depth.sel(body=body).max()) > 0.0]
+    bodies = _bodies(solution, "running_in_depth")
     figure = new_figure(7.2, 5.6)
-    grid = figure.add_gridspec(2, max(len(bodies), 1), height_ratios=(3, 2))
+    grid = figure.add_gridspec(2, len(bodies), height_ratios=(3, 2))
     linear = figure.add_subplot(grid[1, :])
     top = 1.1 * max(float(depth.max()), 1e-3)
     for k, (body, color) in enumerate(zip(bodies, CYCLE, strict=False)):
