@@ -5,7 +5,6 @@ Run from the root of the repository: ``python docs/pictures/film_validation.py``
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from toothspace.films import FilmFluid, JournalBearing, LateralFilm
 from toothspace.films.plane.ring import FaceSetting, solve_faces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.plotting.style import BLUE, GREEN, INK, ORANGE, styled
-from toothspace.validation.claim import columns, data_file
+from toothspace.validation.claim import columns, rows_of
 from toothspace.validation.published_films import (
     SPEED,
     bertocchi_pad,
@@ -50,10 +49,9 @@ def pocket(axis: Any) -> None:
 
 def stiffness(axis: Any) -> None:
     """Four stiffness coefficients of the elliptical bearing."""
-    lines = data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()
     rows = [
         row
-        for row in csv.DictReader(lines)
+        for row in rows_of("lund_thomsen_1978")
         if "elliptical" in row["bearing"] and float(row["L_over_D"]) == 1.0
     ]
     numbers = np.array([float(row["S"]) for row in rows])

@@ -240,17 +240,22 @@ def solved(case: str, *overrides: str) -> Solution:
     return api.simulate(shipped(case, *overrides))
 
 
-def columns(source: str, name: str = "reference.csv") -> dict[str, Array]:
-    """Read the numeric columns of a file of published numbers, by their heading."""
+def rows_of(source: str, name: str = "reference.csv") -> list[dict[str, str]]:
+    """Read the rows of a file of published numbers as they are written, by their heading."""
     import csv
 
+    return list(csv.DictReader(data_file(source, name).read_text(encoding="utf-8").splitlines()))
+
+
+def columns(source: str, name: str = "reference.csv") -> dict[str, Array]:
+    """Read the numeric columns of a file of published numbers, by their heading."""
     import numpy as np
 
-    rows = list(csv.reader(data_file(source, name).read_text(encoding="utf-8").splitlines()))
+    rows = rows_of(source, name)
     found = {}
-    for k, heading in enumerate(rows[0]):
+    for heading in rows[0]:
         try:
-            found[heading] = np.array([float(row[k].replace(",", ".")) for row in rows[1:]])
+            found[heading] = np.array([float(row[heading].replace(",", ".")) for row in rows])
         except ValueError:
             continue
     return found

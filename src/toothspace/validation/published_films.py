@@ -22,7 +22,7 @@ from toothspace.validation.claim import (
     ValidationSource,
     close,
     columns,
-    data_file,
+    rows_of,
     within,
 )
 
@@ -275,8 +275,7 @@ def _butenschoen(effort: Effort) -> Evidence:
 
 def _lund(effort: Effort) -> Evidence:
     rows = columns("lund_thomsen_1978")
-    lines = data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()[1:]
-    names = [line.split(",")[0] for line in lines]
+    names = [row["bearing"] for row in rows_of("lund_thomsen_1978")]
     worst, eccentricities = 0.0, []
     picked = range(0, len(names), 1 if effort == "full" else 6)
     for k in picked:

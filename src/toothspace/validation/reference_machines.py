@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -19,7 +18,7 @@ from toothspace.validation.claim import (
     Evidence,
     ValidationSource,
     close,
-    data_file,
+    rows_of,
     solved,
     within,
 )
@@ -43,8 +42,7 @@ _ECCENTRICITY, _CAVITY, _LOBE = 2.65, 34.9, 8.0
 
 def pumps() -> dict[str, dict[str, str]]:
     """Rows of the lubricating gerotors by their key."""
-    text = data_file("service_manuals", "lubricating_gerotors.csv").read_text(encoding="utf-8")
-    return {row["id"]: row for row in csv.DictReader(text.splitlines())}
+    return {row["id"]: row for row in rows_of("service_manuals", "lubricating_gerotors.csv")}
 
 
 def _between(row: dict[str, str], name: str, place: str) -> float:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 
-from toothspace.validation.claim import data_file
+from toothspace.validation.claim import rows_of
 from toothspace.validation.published_films import SPEED, butenschoen_bearing
 
 
 def _rows(name: str, largest: float) -> list[dict[str, float]]:
-    rows = csv.DictReader(data_file("butenschoen_1976", name).read_text().splitlines())
+    rows = rows_of("butenschoen_1976", name)
     numbers = [{key: float(text) for key, text in row.items()} for row in rows]
     return [row for row in numbers if abs(row["eps"]) <= largest]
 

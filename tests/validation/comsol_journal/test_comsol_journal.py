@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 
-from toothspace.validation.claim import data_file
+from toothspace.validation.claim import rows_of
 from toothspace.validation.published_films import comsol_film
 
-ROWS = list(csv.DictReader(data_file("comsol_journal").read_text().splitlines()))
+ROWS = rows_of("comsol_journal")
 
 
 @pytest.mark.parametrize("cavitation", ["jfo", "reynolds", "guembel"])

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-
 import pytest
 
-from toothspace.validation.claim import data_file
+from toothspace.validation.claim import rows_of
 from toothspace.validation.published_films import elrod_film
 
-ROWS = [
-    {key: float(text) for key, text in row.items()}
-    for row in csv.DictReader(data_file("elrod_1981").read_text().splitlines())
-]
+ROWS = [{key: float(text) for key, text in row.items()} for row in rows_of("elrod_1981")]
 
 
 def _label(row: dict[str, float]) -> str:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 
-from toothspace.validation.claim import data_file
+from toothspace.validation.claim import rows_of
 from toothspace.validation.published_films import SPEED, lund_thomsen_bearing, lund_thomsen_load
 
-ROWS = list(csv.DictReader(data_file("lund_thomsen_1978").read_text().splitlines()))
+ROWS = rows_of("lund_thomsen_1978")
 
 
 @pytest.mark.parametrize("cavitation", ["reynolds", "jfo"])

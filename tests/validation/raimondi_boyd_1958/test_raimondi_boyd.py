@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 
-from toothspace.validation.claim import data_file
+from toothspace.validation.claim import rows_of
 from toothspace.validation.published_films import raimondi_bearing
 
-ROWS = list(csv.DictReader(data_file("raimondi_boyd_1958").read_text().splitlines()))
+ROWS = rows_of("raimondi_boyd_1958")
 
 
 @pytest.mark.parametrize("cavitation", ["reynolds", "jfo"])
