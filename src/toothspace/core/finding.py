@@ -46,6 +46,12 @@ class Finding:
         return asdict(self)
 
 
+def beyond_too(places: Iterable[str], worst: str) -> str:
+    """Tail of a sentence on the worst place: in which others the same range is left."""
+    others = ", ".join(place for place in places if place != worst)
+    return f", and beyond it in: {others}" if others else ""
+
+
 def status_line(status: Status, findings: Sequence[Finding]) -> str:
     """How a run ended and how much there is to know of it, as ``done, 3 findings``."""
     count = len(findings)

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, final
 
@@ -129,6 +130,16 @@ def angle_axis(axes: Axes, label: str = "Shaft angle (deg)", span: float = 360.0
 def readable(name: str) -> str:
     """Turn a label such as ``journal_viscous`` into text for a reader."""
     return name.replace("_", " ").capitalize()
+
+
+def html_table(rows: Mapping[str, Any]) -> str:
+    """Return names and values as a table for notebooks."""
+    lines = [
+        f"<tr><th style='text-align:left'>{escape(name)}</th>"
+        f"<td>{f'{value:.5g}' if isinstance(value, float) else escape(str(value))}</td></tr>"
+        for name, value in rows.items()
+    ]
+    return f"<table>{''.join(lines)}</table>"
 
 
 def figure_to_svg(figure: Figure) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -11,7 +10,7 @@ from toothspace import api
 from toothspace.case import Case
 from toothspace.case.document import CONDITIONS
 from toothspace.core.finding import status_line
-from toothspace.plotting.style import figure_to_svg, readable
+from toothspace.plotting.style import figure_to_svg, html_table, readable
 from toothspace.results.solution import Solution
 
 _KEY_NUMBERS = 12
@@ -29,16 +28,7 @@ def case_card(case: Case) -> str:
         head = {"machine": f"{readable(case.machine_type)}, {case.machine.mode}"}
         rows = head | {"displacement": f"{displacement:.4g} cm³/rev"} | rows
         section = figure_to_svg(case.plot.section())
-    return f"<h4>{escape(case.title)}</h4>{_table(rows)}<div>{section}</div>"
-
-
-def _table(rows: Mapping[str, Any]) -> str:
-    lines = [
-        f"<tr><th style='text-align:left'>{escape(name)}</th>"
-        f"<td>{f'{value:.5g}' if isinstance(value, float) else escape(str(value))}</td></tr>"
-        for name, value in rows.items()
-    ]
-    return f"<table>{''.join(lines)}</table>"
+    return f"<h4>{escape(case.title)}</h4>{html_table(rows)}<div>{section}</div>"
 
 
 def solution_card(solution: Solution) -> str:
@@ -49,4 +39,4 @@ def solution_card(solution: Solution) -> str:
     head = escape(solution.provenance.get("title", solution.data.attrs.get("title", "")))
     status = escape(status_line(solution.status, solution.findings))
     found = "".join(f"<li>{escape(str(finding))}</li>" for finding in solution.findings)
-    return f"<h4>{head}</h4><p>{status}</p><ul>{found}</ul>{_table(rows)}<div>{section}</div>"
+    return f"<h4>{head}</h4><p>{status}</p><ul>{found}</ul>{html_table(rows)}<div>{section}</div>"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.finding import Finding
+from toothspace.core.finding import Finding, beyond_too
 from toothspace.core.status import Status
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.results.performance import by_label
@@ -354,8 +354,7 @@ def temperatures_beyond(solution: Solution, low: float, high: float) -> Iterator
     worst = max(outside, key=lambda place: max(outside[place] - high, low - outside[place]))
     reached = f"{outside[worst] - ZERO_CELSIUS:.4g} °C ({worst})"
     known = f"{low - ZERO_CELSIUS:.4g} to {high - ZERO_CELSIUS:.4g} °C"
-    others = ", ".join(place for place in outside if place != worst)
-    beside = f", and beyond it in: {others}" if others else ""
+    beside = beyond_too(outside, worst)
     yield Finding(
         "warning",
         f"Temperatures reach {reached}{beside}; the properties of the fluid are known from "

@@ -137,9 +137,9 @@ class Run:
                     history, told = march_to_balance(system, plan, progress, state), ""
                 last = history if history.status is Status.DONE else None
                 found = solution_from(history, self.provenance, self.values, case.title)
-                found = found.short_of(told).with_note(*flow_regimes(history))
+                found = found.short_of(told)
                 settled = seats.agree_with(found)
-            return self._marked(seats.noted(found))
+            return self._marked(seats.noted(found.with_note(*flow_regimes(history))))
 
         return march
 

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.viscosity import dynamic_viscosity
-from toothspace.core.finding import Finding
+from toothspace.core.finding import Finding, beyond_too
 from toothspace.core.types import Array
 from toothspace.model.description import FlowPath
 from toothspace.model.path_category import LATERAL_PATHS
@@ -118,8 +118,7 @@ def _finding(places: list[_Place], number: str, limit: float, where: str) -> Fin
         highest[place.label] = max(place.number, highest.get(place.label, 0.0))
     worst = max(highest, key=lambda label: highest[label])
     found = f"{highest[worst]:.3g} ({worst})"
-    others = ", ".join(label for label in highest if label != worst)
-    beside = f", and beyond it in: {others}" if others else ""
+    beside = beyond_too(highest, worst)
     return Finding(
         "warning",
         f"{number} reaches {found}{beside}; the formulas of {where} are those of laminar flow, "

@@ -223,19 +223,15 @@ class StudyResult:
         return f"<StudyResult {self.kind} {self.title!r}: {self.status.name.lower()}, {sizes}>"
 
     def _repr_html_(self) -> str:
-        from toothspace.plotting.style import figure_to_svg
+        from toothspace.plotting.style import figure_to_svg, html_table
 
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{escape(name)}</th>"
-            f"<td>{f'{value:.5g}' if isinstance(value, float) else escape(str(value))}</td></tr>"
-            for name, value in self.summary().items()
-            if isinstance(value, (int, float, str))
-        )
+        numbers = self.summary().items()
+        rows = html_table({k: v for k, v in numbers if isinstance(v, (int, float, str))})
         drawn = study_figures(self.kind, self.data)
         names = ", ".join(f"plot.{one.name}()" for one in drawn)
         first = figure_to_svg(drawn[0].figure) if drawn else ""
         head = f"<h4>{escape(self.title or self.kind)}</h4><p>{escape(self.status.value)}</p>"
-        return f"{head}<table>{rows}</table><div>{first}</div><p>{escape(names)}</p>"
+        return f"{head}{rows}<div>{first}</div><p>{escape(names)}</p>"
 
     @property
     def plot(self) -> StudyFigures:
