@@ -134,15 +134,15 @@ def _result_text(kind: Any) -> str:
     """Text of what an entry gives."""
     from numba import types
 
+    from toothspace.core.compilation.sources import name_of
+
     numbers = {types.float64: "f8", types.int64: "i8", types.boolean: "b1", types.none: "n"}
     if kind in numbers:
         return numbers[kind]
     if isinstance(kind, types.Array) and kind.layout == "C":
         return f"{_dtype(kind)}[{kind.ndim}C]"
     if isinstance(kind, types.BaseNamedTuple):
-        made = kind.instance_class
-        name = f"{made.__module__}.{made.__qualname__}".removeprefix("toothspace.")
-        return f"{name}({','.join(map(_result_text, kind))})"
+        return f"{name_of(kind.instance_class)}({','.join(map(_result_text, kind))})"
     if isinstance(kind, types.BaseTuple):
         return f"({','.join(map(_result_text, kind))})"
     raise TypeError(f"no entry gives {kind}")

@@ -26,6 +26,7 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 def record(run: Callable[[], None]) -> dict[str, str]:
     """Types of all entries that Python calls while something runs."""
     from toothspace.core.compilation.parts import Kernel
+    from toothspace.core.compilation.sources import name_of
 
     found: dict[str, str] = {}
     call = Kernel.__call__
@@ -33,7 +34,7 @@ def record(run: Callable[[], None]) -> dict[str, str]:
     def noted(kernel: Any, *arguments: Any) -> Any:
         function = kernel.py_func
         if "<locals>" not in function.__qualname__:
-            name = f"{function.__module__.removeprefix('toothspace.')}.{function.__qualname__}"
+            name = name_of(function)
             types = text_of(tuple(arguments))
             found[name] = widened(found.get(name, types), types)
         return call(kernel, *arguments)

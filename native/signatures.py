@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toothspace.core.compilation.sources import name_of
+
 ENTRIES = Path(__file__).with_name("entries.txt")
 """The list of entries."""
 
@@ -101,8 +103,7 @@ def text_of(value: Any) -> str:
         readable = "" if flags.writeable else "r"
         return f"{value.dtype.str[1:]}[{value.ndim}{layout}]{readable}"
     if isinstance(value, tuple):
-        name = f"{type(value).__module__}.{type(value).__qualname__}".removeprefix("toothspace.")
-        named = "" if type(value) is tuple else name
+        named = "" if type(value) is tuple else name_of(type(value))
         return f"{named}({','.join(map(text_of, value))})"
     if isinstance(value, bool | np.bool_):
         return "b1"

@@ -87,6 +87,28 @@ samples_per_revolution = 90
 """
 
 
+def copied_package(folder: Path) -> Path:
+    """Sources of the package to change, beside which a program finds them."""
+    package = folder / "toothspace"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    return package
+
+
+def printed_by_copy(folder: Path, program: str, given: str = "") -> str:
+    """What a program that uses the copy in a folder prints."""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        input=given,
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def pretend_installed(folder: Path, entry_points: str) -> None:
     """Leave what installing a package with entry points leaves."""
     installed = folder / "toy-1.0.dist-info"
@@ -308,8 +330,7 @@ print(json.dumps({"flows": flows, "schema": "filter" in json.dumps(case_schema()
 
 def test_circuit_element(tmp_path: Path) -> None:
     """A family of its own with keys, law and kernel, and its lines in the list of elements."""
-    package = tmp_path / "toothspace"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    package = copied_package(tmp_path)
     (package / "circuit" / "filters.py").write_text(FILTER, encoding="utf-8")
     listed = package / "circuit" / "elements.py"
     text = listed.read_text(encoding="utf-8")
@@ -321,17 +342,7 @@ def test_circuit_element(tmp_path: Path) -> None:
     tables["circuit"]["connections"][0] = ["machine.outlet", "f"]
     tables["circuit"]["connections"].append(["f", "high"])
     tables["circuit"]["f"] = {"kind": "filter", "resistance": "20 bar s/L", "growth": "0.1 1/s"}
-    done = subprocess.run(
-        [sys.executable, "-c", FILTER_USE],
-        input=json.dumps(tables),
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
+    found = json.loads(printed_by_copy(tmp_path, FILTER_USE, json.dumps(tables)))
     assert found["schema"]
     flow, slope = found["flows"][0]
     assert [flow, slope] == pytest.approx([1e-4, 5e-10])  # 2 bar over 20 bar s/L
@@ -387,20 +398,10 @@ assert Table(doc="", spec=STUDY.keys).read(given, Source()).friction_law == "toy
 
 def test_friction_law_that_a_case_may_choose(tmp_path: Path) -> None:
     """One entry beside its formula: machines and studies take its name, bearings its force."""
-    package = tmp_path / "toothspace"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    package = copied_package(tmp_path)
     formulas = package / "closures" / "friction.py"
     formulas.write_text(formulas.read_text(encoding="utf-8") + CHOSEN, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-c", CHOSEN_USE],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    force, slope = map(float, done.stdout.split())
+    force, slope = map(float, printed_by_copy(tmp_path, CHOSEN_USE).split())
     assert force == pytest.approx(2.0 * 0.1 * 50.0)
     assert slope == pytest.approx(0.1 * 50.0 / 6.45e-3)
 

@@ -98,11 +98,11 @@ def space_outlines(spaces: Spaces, indices: IntArray | None = None) -> list[Arra
             outlines.append(np.concatenate([*flanks, left.arc(left.corner[k], right.corner[k])]))
             continue
         entry = [right.point(k), right.arc(right.along[k], right.corner[k])]
-        mouth = [left.arc(left.corner[k], left.along[k]), left.point(k)]
+        opening = [left.arc(left.corner[k], left.along[k]), left.point(k)]
         tip = mate_left.arc(mate_left.along[k], mate_right.along[k])
         intruder = [mate_left.point(k), mate_left.above(k)]
         back = [mate_right.above(k)[::-1], mate_right.point(k)]
-        outlines.append(np.concatenate([*entry, *flanks, *mouth, *intruder, tip, *back]))
+        outlines.append(np.concatenate([*entry, *flanks, *opening, *intruder, tip, *back]))
     return outlines
 
 

@@ -27,7 +27,7 @@ from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
-from toothspace.core.compilation.sources import compiled_folder, digest_of_sources
+from toothspace.core.compilation.sources import compiled_folder, digest_of_sources, name_of
 
 _DIGEST = hashlib.sha256().digest_size
 _SECONDS_KEPT = 60 * 24 * 3600.0
@@ -50,7 +50,7 @@ class EntryCache:
         module, _, rest = function.__module__.partition(".")
         self._kept = module == "toothspace" and "<locals>" not in function.__qualname__
         self._module = rest
-        self._name = f"{rest}.{function.__qualname__}"
+        self._name = name_of(function)
         self._options = repr(sorted((key, _stable(value)) for key, value in options.items()))
 
     @property

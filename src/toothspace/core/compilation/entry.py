@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import Any, final
 
 from toothspace.core.compilation.library import NEEDED, Library, Native
+from toothspace.core.compilation.sources import name_of
 from toothspace.core.errors import CaseError
 
 
@@ -51,8 +52,7 @@ class Entry:
     def _found(self) -> tuple[Native, Any, int, Any] | None:
         if self._library is None:
             raise CaseError(NEEDED)
-        module = self.py_func.__module__.removeprefix("toothspace.")
-        native = self._library.entries.get(f"{module}.{self.py_func.__qualname__}")
+        native = self._library.entries.get(name_of(self.py_func))
         if native is None:
             return None
         return native, self._library.call, self._library.release, _class_of(native.classes)

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from importlib.machinery import EXTENSION_SUFFIXES, ExtensionFileLoader
+from importlib.machinery import ExtensionFileLoader
 from importlib.metadata import version
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -135,7 +135,7 @@ def _short(types: str) -> bytes:
 def _caller(path: Path) -> Any:
     loader = ExtensionFileLoader("caller", str(path))
     spec = spec_from_file_location("caller", path, loader=loader)
-    if spec is None or not EXTENSION_SUFFIXES:
+    if spec is None:
         raise ImportError(f"{path} is no extension")
     module = module_from_spec(spec)
     loader.exec_module(module)

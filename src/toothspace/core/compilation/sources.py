@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 PACKAGE = Path(__file__).resolve().parents[2]
 """Folder of the package."""
@@ -16,6 +17,11 @@ _LOADING = {f"core.compilation.{name}" for name in ("cache", "entry", "jit", "li
 """Modules that find compiled code and are no part of it."""
 
 _IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
+
+
+def name_of(made: Callable[..., Any]) -> str:
+    """Name of a function or class within the package."""
+    return f"{made.__module__}.{made.__qualname__}".removeprefix("toothspace.")
 
 
 @cache
