@@ -118,17 +118,20 @@ def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
 
 
 def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
-    """Speed at which the tips are as fast as the inlet pressure can accelerate the fluid."""
+    """Speed of the tips, which the inlet pressure must be able to give the fluid."""
     data = solution.data
-    names = [body.name for body in description.bodies if body.name in description.outlines]
-    if not names:
+    farthest = [
+        abs(body.speed_ratio) * float(np.max(np.hypot(*description.outlines[body.name].T)))
+        for body in description.bodies
+        if body.name in description.outlines
+    ]
+    if not farthest:
         return
-    radius = max(float(np.max(np.hypot(*description.outlines[name].T))) for name in names)
     low = min(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
-    highest = np.sqrt(2.0 * low / float(data["inlet_density"])) / radius * 30.0 / np.pi
-    speed = float(np.abs(data["shaft_speed"]).max()) * 30.0 / np.pi
-    source = "filling: tip speed from the inlet pressure, Bernoulli"
-    yield _judged("Shaft speed", speed, float(highest), "rpm", source, _FILLED)
+    highest = float(np.sqrt(2.0 * low / float(data["inlet_density"])))
+    speed = max(farthest) * float(np.abs(data["shaft_speed"]).max())
+    source = "filling: speed that the inlet pressure gives the fluid, Bernoulli"
+    yield _judged("Speed of the tips", speed, highest, "m/s", source, _FILLED)
 
 
 def _bearings(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:

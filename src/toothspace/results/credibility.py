@@ -60,6 +60,9 @@ _PRESSURES = (
     "chamber_pressure",
     "inlet_pressure",
     "outlet_pressure",
+    "node_pressure_highest",
+    "node_pressure",
+    "film_pressure",
 )
 _SHOWN = {
     "outlet_temperature_degC": "outlet",
