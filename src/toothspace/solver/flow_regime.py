@@ -97,8 +97,8 @@ def taylor_number(
     ----------
     .. [1] G. I. Taylor, "Stability of a viscous liquid contained between two rotating cylinders",
        Phil. Trans. R. Soc. A 223, 1923, 289-343.
-    .. [2] Proc. Institution of Mechanical Engineers 181, 1966, doi 10.1243/PIME_CONF_1966_181_040_02
-       (1708 as the widely accepted critical value).
+    .. [2] Proc. Institution of Mechanical Engineers, Conference Proceedings 181, 1966, doi
+       10.1243/PIME_CONF_1966_181_040_02 (1708 as the widely accepted critical value).
     """
     return float(density * abs(speed) * clearance / viscosity * np.sqrt(clearance / radius))
 
