@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.finding import DesignCheck, Finding
 from toothspace.model.description import MachineDescription
+from toothspace.results.credibility import WHOLE
 from toothspace.results.ledger import LossCause, loss_causes
 from toothspace.results.ripple import extremes
 from toothspace.results.solution import Solution
@@ -29,7 +30,10 @@ _COOLER = "Cool the oil, or lower pressure and speed."
 _FILLED = "Lower the speed, raise the inlet pressure or widen the inlet."
 _FLOATED = "Take a thicker oil, a longer bearing or smoother surfaces, or lower the load."
 _BUSHED = "Take a larger bearing or one for boundary lubrication, or bring its film up."
-_FLANKED = "Take wider gears or a larger module, or lower the load."
+_FLANKED = (
+    "Lower the pressure, or take flanks of larger radius: more teeth or a larger pressure angle. "
+    "Width and module carry as much more load as they bring."
+)
 
 _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
 _ORDER = ("serious", "caution", "note")
@@ -66,7 +70,7 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
     found = [
         *_pressures(solution),
-        *_temperature(solution),
+        *(_temperature(solution) if solution.status in WHOLE else ()),
         JudgedLimit(
             CAVITATION,
             f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",

@@ -107,17 +107,17 @@ def fluid_findings(case: Case, fluid: FluidLaw) -> Iterator[Finding]:
     fit = liquid_at(fluid_keys(case).source, fluid_temperature(case))
     if not isinstance(fit, TableFit):
         return
-    for name, error, allowed in (
+    for name, error, largest in (
         ("densities", fit.density_error, _DENSITY_FIT),
         ("viscosities", fit.viscosity_error, _VISCOSITY_FIT),
     ):
-        if error > allowed:
+        if error > largest:
             yield Finding(
                 "warning",
                 f"The law of the fluid misses {name} of its table by up to {100 * error:.2g} %.",
                 quantity=f"Fit of the {name} of the fluid",
                 found=f"{100 * error:.2g} %",
-                allowed=f"up to {100 * allowed:g} %",
+                allowed=f"up to {100 * largest:g} %",
                 advice="Give the table isotherms about the pressures of the run only, close to "
                 "fluid.temperature.",
             )
