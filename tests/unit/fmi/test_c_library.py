@@ -75,7 +75,7 @@ def created(library: ctypes.CDLL, path: Path) -> Machine:
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("machine") / "gerotor.machine"
-    path.write_bytes(machine_file(api.load_case(CASE)))
+    path.write_bytes(machine_file(api.load_case(CASE)).content)
     return path
 
 
@@ -151,7 +151,7 @@ def test_a_motor_starts_from_rest_when_its_load_lets_it(
 ) -> None:
     path = tmp_path / "motor.machine"
     case = api.load_case(REPOSITORY / "cases" / "egm12_motor.toml")
-    path.write_bytes(machine_file(case, drive="torque"))
+    path.write_bytes(machine_file(case, drive="torque").content)
     motor = created(library, path)
     assert motor.get("shaft_speed") == 0.0
     motor.set("load_torque", 40.0)
