@@ -21,6 +21,7 @@ from toothspace import api
 from toothspace.circuit.shaft_loads import FreeShaft
 from toothspace.core.types import Array
 from toothspace.model.assembly import System, assemble
+from toothspace.run.run import warmed_through
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
@@ -72,7 +73,7 @@ class Unit:
 
 def held(case: str, shaft: FreeShaft | None) -> System:
     """Machine with ports at constant pressure, as in the unit."""
-    run = api.prepare(api.load_case(case)).worn().with_films()
+    run = warmed_through(api.prepare(api.load_case(case)).worn().with_films())
     condition = replace(run.condition, load_area=0.0, circuit=None)
     if shaft is not None:
         condition = replace(condition, shaft_speed=0.0, free_shaft=shaft)

@@ -310,8 +310,8 @@ def fmu(
     if model == "full":
         from toothspace.fmi.machine_unit import export_machine
 
-        with named(case_file):
-            export_machine(case, target, drive=drive, flows=flow or (), fmi=fmi)
+        with named(case_file), output.progress(case.title) as progress:
+            export_machine(case, target, drive=drive, flows=flow or (), fmi=fmi, progress=progress)
         if target.suffix == ".machine":
             output.message(f"Machine: {target}, read by the functions of toothspace.h")
         else:

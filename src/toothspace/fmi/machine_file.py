@@ -20,12 +20,14 @@ from toothspace.circuit.pumps import SupplyPump
 from toothspace.circuit.shaft_loads import FreeShaft
 from toothspace.core.compilation.library import chosen
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, assemble, node_places
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.ndf_types import CONTROL, make_record
+from toothspace.run.run import warmed_through
 from toothspace.solver.compiled_model import Integration, empty_observation
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
@@ -136,8 +138,14 @@ def _address(array: NDArray[Any]) -> int:
     return int(array.__array_interface__["data"][0])
 
 
-def machine_file(case: Case, *, drive: str = "speed", flows: Sequence[str] = ()) -> MachineFile:
-    """Return the file of a machine at its operating point.
+def machine_file(
+    case: Case,
+    *,
+    drive: str = "speed",
+    flows: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> MachineFile:
+    """Return the file of a machine at its operating point, its films as warm as there.
 
     Parameters
     ----------
@@ -149,6 +157,8 @@ def machine_file(case: Case, *, drive: str = "speed", flows: Sequence[str] = ())
     flows : sequence of str
         Ports whose flow is an input: their pressure follows from the fluid in the port. All other
         ports are held at pressures that are inputs.
+    progress : callable, optional
+        Called with the finished share and a short text.
 
     Raises
     ------
@@ -165,7 +175,7 @@ def machine_file(case: Case, *, drive: str = "speed", flows: Sequence[str] = ())
     library = chosen()[2]
     if library is None:
         raise CaseError("compiled code", chosen()[1], "the library of the installed version")
-    run = api.prepare(case).worn().with_films()
+    run = warmed_through(api.prepare(case).worn(progress).with_films(progress), progress)
     given = replace(run.condition, load_area=0.0, circuit=None)
     if flows:
         given = replace(given, circuit=_flow_ports(run.machine, given, tuple(dict.fromkeys(flows))))

@@ -19,6 +19,7 @@ from toothspace.case import load_case
 from toothspace.core.compilation.library import FOLDER, MODEL, UNIT, UNIT_SOURCES
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_bytes
+from toothspace.core.progress import Progress
 from toothspace.fmi.archive import (
     UNITS,
     add_units,
@@ -59,6 +60,7 @@ def export_machine(
     drive: str = "speed",
     flows: Sequence[str] = (),
     fmi: str = "2",
+    progress: Progress | None = None,
 ) -> None:
     """Write the whole machine for simulators of systems and for programs in C.
 
@@ -77,6 +79,8 @@ def export_machine(
         all others the pressure is an input.
     fmi : str
         Version of the unit, ``"2"`` (2.0) or ``"3"`` (3.0 with terminals).
+    progress : callable, optional
+        Called with the finished share and a short text.
 
     Raises
     ------
@@ -87,18 +91,25 @@ def export_machine(
     target = path_of(path, "path", "a file to write")
     found = load_case(case)
     if target.suffix == ".machine":
-        write_bytes(target, machine_file(found, drive=drive, flows=flows).content)
+        file = machine_file(found, drive=drive, flows=flows, progress=progress)
+        write_bytes(target, file.content)
     else:
-        write_bytes(target, machine_unit(found, drive=drive, flows=flows, fmi=fmi))
+        unit = machine_unit(found, drive=drive, flows=flows, fmi=fmi, progress=progress)
+        write_bytes(target, unit)
 
 
 def machine_unit(
-    case: Case, *, drive: str = "speed", flows: Sequence[str] = (), fmi: str = "2"
+    case: Case,
+    *,
+    drive: str = "speed",
+    flows: Sequence[str] = (),
+    fmi: str = "2",
+    progress: Progress | None = None,
 ) -> bytes:
     """Archive of a unit; arguments are those of :func:`export_machine`."""
     if fmi not in VERSIONS:
         raise CaseError("--fmi", repr(fmi), " or ".join(map(repr, VERSIONS)))
-    machine = machine_file(case, drive=drive, flows=flows)
+    machine = machine_file(case, drive=drive, flows=flows, progress=progress)
     name = identifier_of(case.name)
     describe = _description_2 if fmi == "2" else _description_3
     # what names and units mean is in the description: a change there is another unit too

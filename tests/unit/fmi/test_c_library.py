@@ -18,6 +18,7 @@ from toothspace.core.errors import CaseError
 from toothspace.fmi.machine_file import machine_file
 from toothspace.model import arrays as col
 from toothspace.model.assembly import assemble, node_places
+from toothspace.run.run import warmed_through
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
 
@@ -87,7 +88,7 @@ def machine(library: ctypes.CDLL, file: Path) -> Iterator[Machine]:
 
 
 def test_pressures_are_those_of_the_march_in_python(machine: Machine) -> None:
-    run = api.prepare(api.load_case(CASE)).worn().with_films()
+    run = warmed_through(api.prepare(api.load_case(CASE)).worn().with_films())
     condition = replace(run.condition, load_area=0.0, circuit=None)
     system = assemble(run.machine, run.fluid, condition)
     times = STEP * np.arange(1, 41)

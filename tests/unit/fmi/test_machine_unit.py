@@ -22,6 +22,7 @@ from toothspace.core.types import Array
 from toothspace.fmi.archive import found_compiler
 from toothspace.fmi.machine_unit import export_machine, machine_unit
 from toothspace.model.assembly import assemble
+from toothspace.run.run import warmed_through
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.transient import TimePlan, TransientMarch
 
@@ -128,7 +129,7 @@ def test_the_description_is_that_of_the_standard(fmi: str, case: Path, tmp_path:
 
 def start_up(steps: int, step: float) -> tuple[Array, Array, list[str]]:
     """Speeds and chamber pressures of the start of the motor as the program runs it."""
-    run = api.prepare(api.load_case(MOTOR)).worn().with_films()
+    run = warmed_through(api.prepare(api.load_case(MOTOR)).worn().with_films())
     history = np.array([[0.0, LOAD], [10.0, LOAD]])
     condition = replace(
         run.condition,
