@@ -120,7 +120,7 @@ class Run:
             revolutions=case.run.revolutions,
             max_revolutions=case.run.max_revolutions,
             samples_per_revolution=case.run.samples_per_revolution,
-            max_steps=case.run.max_steps,
+            max_steps=case.run.step_limit(over_time=False),
         )
         point = case.operating_point
         orifice = point is not None and point.outlet_load == "orifice"
@@ -167,7 +167,7 @@ class Run:
         plan = TimePlan(
             case.circuit.duration,
             cells=case.run.time_samples,
-            max_steps=case.run.max_steps,
+            max_steps=case.run.step_limit(over_time=True),
             channels=case.run.channels,
         )
 
