@@ -308,7 +308,18 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     ready = run.worn(progress).with_films(progress)
     if ready.condition.over_time:
         return ready.march(progress)
-    march, heat = ready.repeated(progress), HeatSearch(ready.case, ready.machine)
+    return _warmed_through(ready, progress).solution
+
+
+def warmed_through(run: Run, progress: Progress | None = None) -> Run:
+    """Run whose films are as warm as its operating point makes them, where the case asks so."""
+    if run.condition.over_time or run.case.heat.model != "coupled":
+        return run
+    return replace(run, machine=_warmed_through(run, progress).machine)
+
+
+def _warmed_through(run: Run, progress: Progress | None) -> HeatSearch:
+    march, heat = run.repeated(progress), HeatSearch(run.case, run.machine)
     while not heat.agree_with(march(heat.machine)):
         pass
-    return heat.solution
+    return heat
