@@ -116,18 +116,24 @@ def app(
         Path, typer.Argument(metavar="DIR", help="Folder of case files and of files they name.")
     ] = Path(),
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port, 0 for a free one.")] = 0,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; other than 127.0.0.1, others get in.")
+    ] = "127.0.0.1",
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
 ) -> None:
-    """Fill in a case in the browser and run it, on this computer alone."""
+    """Design a machine in the browser, on this computer alone: it answers while you change it."""
     if not folder.is_dir():
         raise CaseError(folder, "no folder", "one with case files")
     import webbrowser
 
-    from toothspace.app.server import FormServer, Session
+    from toothspace.app.server import HOST, BenchServer
 
-    with FormServer(Session(folder), port) as server:
-        output.message(f"Open {server.address}\nEnd with Ctrl-C.")
+    server = BenchServer(folder, port, host)
+    if host != HOST:
+        output.message("Warning: whoever reaches this address and knows the token gets in.")
+    output.message(f"Open {server.address}\nEnd with Ctrl-C.")
+    with server.door() as door:
         if browser:
-            webbrowser.open(server.address)
+            webbrowser.open(door)
         with suppress(KeyboardInterrupt):
-            server.serve_forever()
+            server.serve()
