@@ -181,12 +181,13 @@ def turning_answer(case: Case, solution: Solution, frames: int = 24) -> dict[str
     description, data = describe(case), solution.data
     angle = np.asarray(data["shaft_angle"])
     asked = angle[0] + np.arange(frames) / frames * pitch_angle(description)
+    pressure = np.asarray(data["chamber_pressure"])
     places = [int(np.argmin(np.abs(angle - one))) for one in asked]
     found = {
         "shaft": [float(one) for one in asked],
         "angle": rounded(np.degrees(asked - angle[0])),
         "cells": turning(description, asked),
-        "pressure": [rounded(row, 4) for row in np.asarray(data["chamber_pressure"])[places] / _BAR],
+        "pressure": [rounded(row, 4) for row in pressure[places] / _BAR],
         "ports": {
             port: rounded(np.asarray(data[f"{port}_pressure"])[places] / _BAR, 4)
             for port in ("inlet", "outlet")

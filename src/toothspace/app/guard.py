@@ -38,7 +38,7 @@ _ENTERED = (
 )
 
 
-class BodyRefused(Exception):
+class BodyError(Exception):
     """A body is larger than allowed, or came too slowly."""
 
     def __init__(self, code: int) -> None:
@@ -98,7 +98,7 @@ class Guard:
         limited = _limited(receive, most, BODY_TIME * (10.0 if upload else 1.0))
         try:
             await self._application(scope, limited, _with_headers(send))
-        except BodyRefused as refused:
+        except BodyError as refused:
             await _plain(send, refused.code, b"The body is too large, or came too slowly.")
 
     def _asked_by_this_page(self, method: str, headers: dict[str, str]) -> bool:
@@ -135,10 +135,10 @@ def _limited(receive: Receive, most: int, longest: float) -> Receive:
         try:
             message = await asyncio.wait_for(receive(), max(until - time.monotonic(), 0.0))
         except TimeoutError as error:
-            raise BodyRefused(408) from error
+            raise BodyError(408) from error
         size += len(message.get("body", b""))
         if size > most:
-            raise BodyRefused(413)
+            raise BodyError(413)
         whole = not message.get("more_body", False)
         return message
 

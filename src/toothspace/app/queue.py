@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, final
 
-from toothspace.app.workers import Stopped, Worker
+from toothspace.app.workers import StoppedError, Worker
 from toothspace.app.workspace import Workspace
 from toothspace.core.errors import CaseError, ToothspaceError
 
@@ -136,7 +136,7 @@ class RunQueue:
         more = (resume,) if KINDS[run["kind"]] == "run" else ()
         try:
             found = worker.call(KINDS[run["kind"]], run["tables"], folder, *more, told=told)
-        except Stopped:
+        except StoppedError:
             self._note(run, state="stopped")
         except ToothspaceError as error:
             self._note(run, state="failed", problem=str(error))

@@ -1,4 +1,4 @@
-"""The server of the bench: what the page asks for, on Starlette and uvicorn of the extra ``app``."""
+"""The server of the bench: what the page asks for, on Starlette and uvicorn (extra ``app``)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from toothspace.app.guard import Guard
 from toothspace.app.queue import RunQueue
-from toothspace.app.workers import Stopped, Worker
+from toothspace.app.workers import StoppedError, Worker
 from toothspace.app.workspace import LARGEST_UPLOAD, Workspace
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.registry import machine_type_names, optional_function
@@ -210,7 +210,7 @@ class Bench:
                 found = self._solving.call(
                     "answer", name, design["tables"], bool(given.get("full")), told=self._progress
                 )
-            except Stopped:
+            except StoppedError:
                 return {"superseded": True}
             finally:
                 self._solved = ""
@@ -315,7 +315,6 @@ def _table(given: Mapping[str, Any], name: str) -> dict[str, Any]:
 def application(bench: Bench) -> Any:
     """Starlette application of a bench, without its guard."""
     from starlette.applications import Starlette
-    from starlette.requests import Request
     from starlette.responses import JSONResponse, Response, StreamingResponse
     from starlette.routing import Route
 
@@ -446,7 +445,7 @@ def application(bench: Bench) -> Any:
 
 
 def _json(body: bytes) -> dict[str, Any]:
-    """Table that a body holds; CaseError if it is no JSON, no table, or no text that can be kept."""
+    """Table that a body holds; CaseError if it is none, or a text in it cannot be kept."""
     try:
         found = json.loads(body or b"{}")
         json.dumps(found, ensure_ascii=False, allow_nan=False).encode()

@@ -31,7 +31,7 @@ _STARTING = threading.Lock()
 Told = Callable[[float, str], None]
 
 
-class Stopped(ToothspaceError):
+class StoppedError(ToothspaceError):
     """A call was given up because somebody asked for it."""
 
 
@@ -73,7 +73,7 @@ class Worker:
         ------
         CaseError
             What is wrong with a case, or that it took too long or too much memory.
-        Stopped
+        StoppedError
             If :meth:`stop` or :meth:`end` was called meanwhile.
         """
         with self._busy:
@@ -86,7 +86,7 @@ class Worker:
                 code = None if self._process is None else self._process.exitcode
                 self.end()
                 if code is None or code < 0:
-                    raise Stopped("Stopped.") from error
+                    raise StoppedError("Stopped.") from error
                 raise CaseError("The process that computes has ended unexpectedly.") from error
 
     def stop(self) -> None:
@@ -111,7 +111,7 @@ class Worker:
                 context = get_context("spawn")
                 self._connection, other = context.Pipe()
                 self._process = context.Process(
-                    target=_serve, args=(other, self._stop, self._folder), daemon=False
+                    target=_serve, args=(other, self._stop, self._folder), daemon=True
                 )
                 with _STARTING, safe_start():
                     self._process.start()
@@ -128,7 +128,7 @@ class Worker:
                     self.end()
                     raise CaseError(f"This took longer than {longest:g} s and was given up.")
                 if self._process is None:
-                    raise Stopped("Stopped.")
+                    raise StoppedError("Stopped.")
                 continue
             kind, value = connection.recv()
             if kind == "told":
@@ -137,7 +137,7 @@ class Worker:
             elif kind == "done":
                 return value
             elif kind == "stopped":
-                raise Stopped("Stopped.")
+                raise StoppedError("Stopped.")
             else:
                 raise value
 

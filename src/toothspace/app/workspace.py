@@ -196,7 +196,7 @@ class Workspace:
 
     def new_run(self, kind: str, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Make the folder of a run."""
-        run = {
+        run: dict[str, Any] = {
             "id": secrets.token_hex(6),
             "kind": kind,
             "title": str(tables.get("title", "")),

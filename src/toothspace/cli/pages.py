@@ -82,6 +82,32 @@ def compare(
         output.message(f"Comparison: {comparison.write(target)}")
 
 
+def animate(
+    source: Annotated[
+        Path, typer.Argument(metavar="CASE_OR_RESULT", help="Case to be run, or RESULT.nc.")
+    ],
+    film: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="GIF, or MP4 by ffmpeg.")
+    ],
+    frames: Annotated[int, typer.Option(min=4, max=720, help="Pictures of one pitch.")] = 36,
+    force: Force = False,
+) -> int:
+    """Draw a machine that turns, coloured by pressure, with forces and a cursor in a curve."""
+    from toothspace.api import load_case, simulate
+    from toothspace.plotting.animation import ENDINGS, write_animation
+    from toothspace.results.solution import load_solution
+
+    target = require_writable(film, "-o", replace=force, endings=ENDINGS)
+    with output.progress(f"{source.stem}:") as progress:
+        if source.suffix == ".nc":
+            solution = load_solution(source)
+        else:
+            solution = simulate(load_case(source), progress)
+        write_animation(solution, target, frames, progress)
+    output.message(f"Moving picture: {target}")
+    return 0 if solution.status.succeeded else NUMERICAL_FAILURE
+
+
 def validate(
     book: Annotated[
         Path, typer.Option("-o", "--output", help="HTML file; default validation_book.html.")

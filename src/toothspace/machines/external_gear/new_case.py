@@ -26,7 +26,8 @@ _RUN_IN = 1.25
 _BEARING_SHARE = 0.8
 """Of the largest specific load of the bearings, at the pressure of running-in. [-]"""
 
-_CASE = """# First design of an external gear pump: {volume:.4g} cm3/rev, {pressure:.4g} bar, {speed:.4g} rpm.
+_CASE = """# First design of an external gear pump: {volume:.4g} cm3/rev, {pressure:.4g} bar,
+# {speed:.4g} rpm.
 # Twelve teeth with a profile shift that just avoids undercut. Every number is a proposal by the
 # design rules: 'toothspace geometry' holds it against them, the page draws it and answers.
 schema = 1
