@@ -13,6 +13,7 @@ from .core.errors import ToothspaceError as ToothspaceError
 from .core.status import Status as Status
 from .core.units import Quantity as Quantity
 from .fmi.export import export_fmu as export_fmu
+from .fmi.machine_unit import export_machine as export_machine
 from .library import fluids as fluids
 from .report import compare as compare
 from .results.solution import Solution as Solution

@@ -25,7 +25,13 @@ from toothspace.core.units import Quantity, as_text, parse_quantity, split_quant
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
-from toothspace.run.condition import condition_of, fluid_of, known_pressure, known_temperatures
+from toothspace.run.condition import (
+    condition_of,
+    fluid_findings,
+    fluid_of,
+    known_pressure,
+    known_temperatures,
+)
 from toothspace.run.run import Run
 
 if TYPE_CHECKING:
@@ -121,6 +127,7 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
     known = known_pressure(given), known_temperatures(given)
     solution = with_warnings(simulated(run, progress), *known)
+    solution = solution.with_note(*fluid_findings(given, run.fluid))
     if run.machine.as_drawn:
         try:
             drawn = prepare(given.replace(run.machine.as_drawn))

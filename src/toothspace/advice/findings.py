@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.finding import DesignCheck, Finding
 from toothspace.model.description import MachineDescription
+from toothspace.results.credibility import WHOLE
 from toothspace.results.ledger import LossCause, loss_causes
 from toothspace.results.ripple import extremes
 from toothspace.results.solution import Solution
@@ -29,7 +30,10 @@ _COOLER = "Cool the oil, or lower pressure and speed."
 _FILLED = "Lower the speed, raise the inlet pressure or widen the inlet."
 _FLOATED = "Take a thicker oil, a longer bearing or smoother surfaces, or lower the load."
 _BUSHED = "Take a larger bearing or one for boundary lubrication, or bring its film up."
-_FLANKED = "Take wider gears or a larger module, or lower the load."
+_FLANKED = (
+    "Lower the pressure, or take flanks of larger radius: more teeth or a larger pressure angle. "
+    "Width and module carry as much more load as they bring."
+)
 
 _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
 _ORDER = ("serious", "caution", "note")
@@ -66,7 +70,7 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
     found = [
         *_pressures(solution),
-        *_temperature(solution),
+        *(_temperature(solution) if solution.status in WHOLE else ()),
         JudgedLimit(
             CAVITATION,
             f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
@@ -118,17 +122,20 @@ def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
 
 
 def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
-    """Speed at which the tips are as fast as the inlet pressure can accelerate the fluid."""
+    """Speed of the tips, which the inlet pressure must be able to give the fluid."""
     data = solution.data
-    names = [body.name for body in description.bodies if body.name in description.outlines]
-    if not names:
+    farthest = [
+        abs(body.speed_ratio) * float(np.max(np.hypot(*description.outlines[body.name].T)))
+        for body in description.bodies
+        if body.name in description.outlines
+    ]
+    if not farthest:
         return
-    radius = max(float(np.max(np.hypot(*description.outlines[name].T))) for name in names)
     low = min(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
-    highest = np.sqrt(2.0 * low / float(data["inlet_density"])) / radius * 30.0 / np.pi
-    speed = float(np.abs(data["shaft_speed"]).max()) * 30.0 / np.pi
-    source = "filling: tip speed from the inlet pressure, Bernoulli"
-    yield _judged("Shaft speed", speed, float(highest), "rpm", source, _FILLED)
+    highest = float(np.sqrt(2.0 * low / float(data["inlet_density"])))
+    speed = max(farthest) * float(np.abs(data["shaft_speed"]).max())
+    source = "filling: speed that the inlet pressure gives the fluid, Bernoulli"
+    yield _judged("Speed of the tips", speed, highest, "m/s", source, _FILLED)
 
 
 def _bearings(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:

@@ -68,22 +68,26 @@ def pair_checks(
             interference_check(owner, margin, allowed=form.undercut),
             root_clearance_check(owner, pair.root_clearances[index], gear.module),
         ]
-    module, backlash = pair.drive.module, pair.normal_backlash
-    least, most = least_normal_backlash(module, pair.center_distance), MAX_BACKLASH * module
     return (
         *checks,
-        DesignCheck(
-            name="normal backlash",
-            value=backlash * 1e3,
-            unit="mm",
-            allowed=f"{least * 1e3:.3g} mm (ISO/TR 10064-2) to {most * 1e3:.3g} mm "
-            f"({MAX_BACKLASH:g} modules)",
-            passed=least <= backlash <= most,
-            reason="Less lets thermal growth and bearing play jam the flanks and throttles trapped "
-            "fluid between them; a wide one rattles and lets both sides of the mesh leak into each "
-            "other.",
-        ),
+        backlash_check(pair.normal_backlash, pair.drive.module, pair.center_distance),
         _trapped_volume(pair, face_width, vented=vented),
+    )
+
+
+def backlash_check(backlash: float, module: float, center_distance: float) -> DesignCheck:
+    """Check of the normal backlash at a module and a distance of the centres. [m]."""
+    least, most = least_normal_backlash(module, center_distance), MAX_BACKLASH * module
+    return DesignCheck(
+        name="normal backlash",
+        value=backlash * 1e3,
+        unit="mm",
+        allowed=f"{least * 1e3:.3g} mm (ISO/TR 10064-2) to {most * 1e3:.3g} mm "
+        f"({MAX_BACKLASH:g} modules)",
+        passed=least <= backlash <= most,
+        reason="Less lets thermal growth and bearing play jam the flanks and throttles trapped "
+        "fluid between them; a wide one rattles and lets both sides of the mesh leak into each "
+        "other.",
     )
 
 

@@ -222,8 +222,18 @@ class RunSettings(IdealKeys, LumpedKeys, ElasticKeys):
     relative_tolerance: float = number(
         "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6
     )
-    max_steps: int = integer("Most time steps of the run.", low=100, high=10**9, default=20_000_000)
+    max_steps: int | None = integer(
+        "Most time steps of a march; if not given, 4 million to a cyclic state and 20 million over "
+        "time.",
+        low=100,
+        high=10**9,
+        default=None,
+    )
     mesh: str = choice("Stiffness of the mesh.", "rigid", "elastic", default="rigid")
+
+    def step_limit(self, *, over_time: bool) -> int:
+        """Most time steps of a march."""
+        return self.max_steps or (20_000_000 if over_time else 4_000_000)
 
     @property
     def preset(self) -> Preset:

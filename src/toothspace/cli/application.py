@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, final
 
 import typer
+from typer.core import TyperGroup
 
 import toothspace
 from toothspace.cli import machines, output, pages, runs
@@ -61,8 +62,24 @@ def schema() -> None:
     output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))
 
 
+@final
+class _Commands(TyperGroup):
+    """Commands with their whole first sentence, however narrow the terminal."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands."""
+        rows = [
+            (name, " ".join((command.help or "").partition("\n\n")[0].split()))
+            for name in self.list_commands(ctx)
+            if (command := self.get_command(ctx, name)) is not None
+        ]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
 application = typer.Typer(
     name="toothspace",
+    cls=_Commands,
     help="Simulate hydraulic gear machines.",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

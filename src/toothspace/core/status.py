@@ -26,7 +26,11 @@ class Status(Enum):
         "A body turned so far from its place in the mesh that its teeth would have skipped: a "
         "warning says which. Follow it."
     )
-    MAX_STEPS = "The maximum number of steps was reached. Raise run.max_steps."
+    MAX_STEPS = (
+        "The maximum number of steps was reached. Raise run.max_steps if the run went on well; a "
+        "revolution of more than a million steps is astray: check clearances, the timing of the "
+        "ports and pressures."
+    )
     NOT_CONVERGED = (
         "An iteration did not converge. Start from a nearby condition or refine the grid."
     )

@@ -273,6 +273,7 @@ __all__ = [
     "FluidLaw",
     "GasModel",
     "LiquidState",
+    "TableFit",
     "fit_table",
     "fluid_law",
     "highest_pressure",

@@ -42,7 +42,7 @@ IMPACT_LIMIT = 0.5
 CUT_LIMIT = 0.5e-6
 """Depth to which tips may run against a wall, of the order of its roughness. [m]"""
 
-_WHOLE = (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING, Status.NOT_REACHED)
+WHOLE = (Status.DONE, Status.NOT_CYCLIC, Status.NOT_REPEATING, Status.NOT_REACHED)
 """How a run ends whose masses and energies are those of a whole revolution."""
 
 _BAR = 1e5
@@ -60,6 +60,9 @@ _PRESSURES = (
     "chamber_pressure",
     "inlet_pressure",
     "outlet_pressure",
+    "node_pressure_highest",
+    "node_pressure",
+    "film_pressure",
 )
 _SHOWN = {
     "outlet_temperature_degC": "outlet",
@@ -86,7 +89,7 @@ def with_warnings(
     """
     return solution.with_note(
         *_pressure(solution, highest_pressure),
-        *temperatures_beyond(solution, *temperatures),
+        *(temperatures_beyond(solution, *temperatures) if solution.status in WHOLE else ()),
         *_numbers(solution),
         *_bodies(solution),
         *_skipped(solution),
@@ -141,7 +144,7 @@ def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
 
 def _numbers(solution: Solution) -> Iterator[Finding]:
     numbers = {k: v for k, v in solution.summary().items() if isinstance(v, int | float)}
-    whole = solution.status in _WHOLE
+    whole = solution.status in WHOLE
     if whole:
         yield from _efficiencies(numbers)
     for name, limit in BALANCE_LIMITS.items():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from toothspace.case import Case
@@ -11,14 +13,24 @@ from toothspace.circuit.restrictions import ReliefValve
 from toothspace.circuit.shaft_loads import shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
+from toothspace.core.finding import Finding
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import GasModel, fluid_law, highest_pressure, temperature_range
+from toothspace.model.fluid import (
+    GasModel,
+    TableFit,
+    fluid_law,
+    highest_pressure,
+    liquid_at,
+    temperature_range,
+)
 from toothspace.model.operating_point import OperatingCondition
 
 LINE_END = "line_end"
 """Node at the far end of a line at the outlet, before its load."""
 
 _EXPECTED_PRESSURE = 50e5
+_THICKEST = 1.62e-3
+_DENSITY_FIT, _VISCOSITY_FIT = 0.01, 0.1
 _BEYOND_BREAKAWAY = 1.5
 
 
@@ -69,6 +81,46 @@ def known_pressure(case: Case) -> float:
 def known_temperatures(case: Case) -> tuple[float, float]:
     """Temperatures between which the properties of the fluid of a case are known. [K]."""
     return temperature_range(fluid_keys(case).source)
+
+
+def fluid_findings(case: Case, fluid: FluidLaw) -> Iterator[Finding]:
+    """Say where the liquid is thicker than gear machines take, or its table is fitted badly.
+
+    References
+    ----------
+    .. [1] Parker Hannifin, PGP/PGM 300 Series service manual HY09-SM300/US: 7500 SSU (1620 mm2/s)
+       at most when gear pumps and motors start.
+    """
+    viscosity = fluid.dynamic_viscosity / fluid.reference_density
+    if viscosity > _THICKEST:
+        found, allowed = (f"{1e6 * value:.4g} mm2/s" for value in (viscosity, _THICKEST))
+        yield Finding(
+            "limit",
+            f"The liquid has {found} at its temperature; gear pumps and motors start with up to "
+            f"{allowed} (Parker HY09-SM300): spaces may not fill, and films warm more than a run "
+            "at one temperature knows.",
+            quantity="Kinematic viscosity of the liquid",
+            found=found,
+            allowed=f"up to {allowed}",
+            advice="Raise fluid.temperature or take a thinner oil.",
+        )
+    fit = liquid_at(fluid_keys(case).source, fluid_temperature(case))
+    if not isinstance(fit, TableFit):
+        return
+    for name, error, largest in (
+        ("densities", fit.density_error, _DENSITY_FIT),
+        ("viscosities", fit.viscosity_error, _VISCOSITY_FIT),
+    ):
+        if error > largest:
+            yield Finding(
+                "warning",
+                f"The law of the fluid misses {name} of its table by up to {100 * error:.2g} %.",
+                quantity=f"Fit of the {name} of the fluid",
+                found=f"{100 * error:.2g} %",
+                allowed=f"up to {100 * largest:g} %",
+                advice="Give the table isotherms about the pressures of the run only, close to "
+                "fluid.temperature.",
+            )
 
 
 def condition_of(

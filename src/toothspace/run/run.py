@@ -120,7 +120,7 @@ class Run:
             revolutions=case.run.revolutions,
             max_revolutions=case.run.max_revolutions,
             samples_per_revolution=case.run.samples_per_revolution,
-            max_steps=case.run.max_steps,
+            max_steps=case.run.step_limit(over_time=False),
         )
         point = case.operating_point
         orifice = point is not None and point.outlet_load == "orifice"
@@ -167,7 +167,7 @@ class Run:
         plan = TimePlan(
             case.circuit.duration,
             cells=case.run.time_samples,
-            max_steps=case.run.max_steps,
+            max_steps=case.run.step_limit(over_time=True),
             channels=case.run.channels,
         )
 
@@ -308,7 +308,18 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     ready = run.worn(progress).with_films(progress)
     if ready.condition.over_time:
         return ready.march(progress)
-    march, heat = ready.repeated(progress), HeatSearch(ready.case, ready.machine)
+    return _warmed_through(ready, progress).solution
+
+
+def warmed_through(run: Run, progress: Progress | None = None) -> Run:
+    """Run whose films are as warm as its operating point makes them, where the case asks so."""
+    if run.condition.over_time or run.case.heat.model != "coupled":
+        return run
+    return replace(run, machine=_warmed_through(run, progress).machine)
+
+
+def _warmed_through(run: Run, progress: Progress | None) -> HeatSearch:
+    march, heat = run.repeated(progress), HeatSearch(run.case, run.machine)
     while not heat.agree_with(march(heat.machine)):
         pass
-    return heat.solution
+    return heat

@@ -108,7 +108,7 @@ def run_in(case: Case, machine: MachineDescription, progress: Progress | None = 
     if kept is not None:
         change = float(kept.pop(_CHANGE, 0.0))
         return Tracks(kept, change=change)
-    plan = replace(_PLAN, max_steps=case.run.max_steps)
+    plan = replace(_PLAN, max_steps=case.run.step_limit(over_time=False))
     history = _marched(assemble(machine, fluid, condition), plan, progress)
     depths, change = running_in_depths(history), 0.0
     if history.status in CUT_SHORT:

@@ -111,6 +111,8 @@ def march_revolutions(
             pieces: list[Piece] = []
             for part in np.array_split(k * turn + offsets, _PIECES):
                 pieces.append(march.advance(part))
+                share = (k + len(pieces) / _PIECES) / limit if plan.revolutions else UNKNOWN
+                tell(progress, share, f"revolution {k + 1}")
                 if pieces[-1].status is not Status.DONE:
                     break
             piece = Piece.joined(pieces)
@@ -118,7 +120,6 @@ def march_revolutions(
                 previous, status = piece, piece.status
                 break
             done = k + 1
-            tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
             # a revolution that was begun elsewhere says nothing about the one before
             if previous is not None and not (search and search.moved):
                 every = grid.dense[::_COMPARED]

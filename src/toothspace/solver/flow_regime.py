@@ -1,16 +1,18 @@
-"""Films and gaps whose flow is no longer laminar, as their formulas take it."""
+"""Gaps, bearings and lines whose flow is beyond the range of their formulas."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
+from toothspace.closures.line_friction import CRITICAL_REYNOLDS
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.finding import Finding, beyond_too
 from toothspace.core.types import Array
+from toothspace.model.assembly import System
 from toothspace.model.description import FlowPath
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.model.paths import by_kind
@@ -20,8 +22,11 @@ from toothspace.solver.cyclic import History
 LAMINAR_GAP = 2000.0
 """Reynolds number of a gap, with twice its height, up to which the flow is laminar. [-]"""
 
-LAMINAR_BEARING = 41.2
-"""Taylor number of a bearing from which vortices stand between the walls. [-]"""
+LAMINAR_BEARING = 41.3
+"""Taylor number of a bearing from which vortices stand between the walls, root of 1708. [-]"""
+
+SMOOTH_LINE = 1e5
+"""Reynolds number of a line up to which Blasius' law of smooth walls holds. [-]"""
 
 _LOOKS = 180
 _OPEN = 1e-6
@@ -53,7 +58,8 @@ def gap_reynolds_number(mass_flow: Array, width: Array, viscosity: Array) -> Arr
 
     References
     ----------
-    .. [1] F. M. White, *Viscous Fluid Flow*, 3rd ed., McGraw-Hill, 2006, section 3-3.
+    .. [1] F. M. White, *Fluid Mechanics*, McGraw-Hill, chapter 6 (textbook: laminar flow in ducts
+       by their hydraulic diameter).
     """
     return np.asarray(2.0 * np.abs(mass_flow) / (width * viscosity))
 
@@ -85,92 +91,140 @@ def taylor_number(
     -----
     .. math:: Ta = \frac{\rho U c}{\mu} \sqrt{\frac{c}{R}}
 
-    Vortices stand between concentric walls from 41.2 on.
+    Vortices stand between concentric walls where its square exceeds 1708.
 
     References
     ----------
-    .. [1] DIN 31652-1, Hydrodynamic plain journal bearings under steady-state conditions (limit
-       of laminar flow); G. I. Taylor, Phil. Trans. R. Soc. A 223 (1923) 289-343.
+    .. [1] G. I. Taylor, "Stability of a viscous liquid contained between two rotating cylinders",
+       Phil. Trans. R. Soc. A 223, 1923, 289-343.
+    .. [2] Proc. Institution of Mechanical Engineers, Conference Proceedings 181, 1966, doi
+       10.1243/PIME_CONF_1966_181_040_02 (1708 as the widely accepted critical value).
     """
     return float(density * abs(speed) * clearance / viscosity * np.sqrt(clearance / radius))
 
 
 @final
 @dataclass(frozen=True)
-class _Place:
-    label: str
-    number: float
+class _Range:
+    """A number that formulas hold up to, and where it counts."""
+
+    number: str
+    limit: float
+    where: str
+    advice: str
+    reason: str
+
+
+_GAPS = _Range(
+    "Reynolds number",
+    LAMINAR_GAP,
+    "the gaps",
+    "Turbulent films leak less and drag more: narrow the clearance, lower "
+    "operating_point.shaft_speed or the pressure, or take thicker oil.",
+    "those of laminar flow",
+)
+_BEARINGS = _Range(
+    "Taylor number", LAMINAR_BEARING, "the journal bearings", _GAPS.advice, _GAPS.reason
+)
+_LINES = _Range(
+    "Reynolds number",
+    SMOOTH_LINE,
+    "lines and hoses",
+    "Take a wider bore or less flow: rough walls lose more than these formulas say.",
+    "those of smooth lines",
+)
+
+
+@final
+class FlowRegimes:
+    """Largest Reynolds and Taylor numbers of all gaps, bearings and lines that were looked at."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._highest: dict[_Range, dict[str, float]] = {_GAPS: {}, _BEARINGS: {}, _LINES: {}}
+
+    def look(self, states: Array, seen: Observation, looks: int) -> None:
+        """Take states [SI] and what is seen at them into account, gaps at so many of them."""
+        every = slice(None, None, max(len(states) // looks, 1))
+        speed = float(np.abs(states[:, 1]).max(initial=0.0))
+        self._note(_GAPS, _gaps(self._system, states[every], seen, every))
+        self._note(_BEARINGS, _bearings(self._system, speed))
+        self._note(_LINES, _lines(self._system, states))
+
+    def _note(self, range_: _Range, places: Iterable[tuple[str, float]]) -> None:
+        highest = self._highest[range_]
+        for label, number in places:
+            highest[label] = max(number, highest.get(label, 0.0))
+
+    def findings(self) -> Iterator[Finding]:
+        """Say where formulas were used beyond their range."""
+        for range_, highest in self._highest.items():
+            beyond = {label: number for label, number in highest.items() if number > range_.limit}
+            if beyond:
+                yield _finding(range_, beyond)
 
 
 def flow_regimes(history: History) -> Iterator[Finding]:
-    """Say in which gaps and bearings of a revolution the flow is not laminar."""
-    gaps = [place for place in _gaps(history) if place.number > LAMINAR_GAP]
-    if gaps:
-        yield _finding(gaps, "Reynolds number", LAMINAR_GAP, "the gaps")
-    bearings = [place for place in _bearings(history) if place.number > LAMINAR_BEARING]
-    if bearings:
-        yield _finding(bearings, "Taylor number", LAMINAR_BEARING, "the journal bearings")
+    """Say in which gaps, bearings and lines of a revolution formulas are beyond their range."""
+    regimes, states = FlowRegimes(history.system), history.states
+    few = np.ascontiguousarray(states[:: max(len(states) // _LOOKS, 1)])
+    regimes.look(few, observe(history.system.arrays, few), len(few))
+    return regimes.findings()
 
 
-def _finding(places: list[_Place], number: str, limit: float, where: str) -> Finding:
-    highest: dict[str, float] = {}
-    for place in places:
-        highest[place.label] = max(place.number, highest.get(place.label, 0.0))
+def _finding(range_: _Range, highest: Mapping[str, float]) -> Finding:
     worst = max(highest, key=lambda label: highest[label])
     found = f"{highest[worst]:.3g} ({worst})"
     beside = beyond_too(highest, worst)
     return Finding(
         "warning",
-        f"{number} reaches {found}{beside}; the formulas of {where} are those of laminar flow, "
-        f"up to {limit:g}.",
-        quantity=f"{number} of {where}",
+        f"{range_.number} reaches {found}{beside}; the formulas of {range_.where} are "
+        f"{range_.reason}, up to {range_.limit:g}.",
+        quantity=f"{range_.number} of {range_.where}",
         found=found,
-        allowed=f"up to {limit:g}",
-        advice="Turbulent films leak less and drag more: narrow the clearance, lower "
-        "operating_point.shaft_speed or the pressure, or take thicker oil.",
+        allowed=f"up to {range_.limit:g}",
+        advice=range_.advice,
     )
 
 
-def _gaps(history: History) -> Iterator[_Place]:
+def _gaps(
+    system: System, states: Array, seen: Observation, every: slice
+) -> Iterator[tuple[str, float]]:
     """Largest Reynolds number of every gap whose geometry is its own."""
-    system = history.system
-    states = np.ascontiguousarray(history.states[:: max(len(history.states) // _LOOKS, 1)])
-    seen, first = observe(system.arrays, states), 0
-    viscosity = np.sqrt(dynamic_viscosity(seen.pressure, system.arrays.fluid))
+    first, description = 0, system.description
+    partners, flows = seen.path_partner[every], seen.path_flow[every]
+    root = np.sqrt(dynamic_viscosity(seen.pressure[every], system.arrays.fluid))
     # solved faces have conductances for widths
-    solved = any(film.drag is not None for film in system.description.laterals)
-    for path in by_kind(system.description.paths):
+    solved = any(film.drag is not None for film in description.laterals)
+    for path in by_kind(description.paths):
         members = slice(first, first + path.count)
         first += path.count
         # throats between flanks count the kinetic energy of their flow
         throat = path.kind == "orifice" or path.category.role == "mesh"
         if throat or (solved and path.category in LATERAL_PATHS):
             continue
-        yield _Place(path.category.label, _of_path(path, states[:, 0], seen, viscosity, members))
+        width = _width(path, states[:, 0])
+        ends = np.take_along_axis(root, partners[:, members], axis=1)
+        viscosity = root[:, path.nodes_a] * ends * path.viscosity_ratio
+        flow = np.where(width > _OPEN, flows[:, members], 0.0)
+        width = np.maximum(width, _OPEN) * path.multiplicity
+        number = gap_reynolds_number(flow, width, viscosity)
+        yield path.category.label, float(number.max(initial=0.0))
 
 
-def _of_path(
-    path: FlowPath, angles: Array, seen: Observation, root: Array, members: slice
-) -> float:
+def _width(path: FlowPath, angles: Array) -> Array:
+    """Widths of the gaps of a path, one column each. [m]."""
     at = path.phases + path.angle_ratio * angles[:, None]
     tables = path.own or (path.geometry,)
     if len(tables) == 1:
-        width = tables[0](at)[..., 1]
-    else:
-        width = np.stack([table(at[:, k])[:, 1] for k, table in enumerate(tables)], axis=1)
-    ends = np.take_along_axis(root, seen.path_partner[:, members], axis=1)
-    viscosity = root[:, path.nodes_a] * ends * path.viscosity_ratio
-    flow = np.where(width > _OPEN, seen.path_flow[:, members], 0.0)
-    width = np.maximum(width, _OPEN) * path.multiplicity
-    return float(gap_reynolds_number(flow, width, viscosity).max(initial=0.0))
+        return np.asarray(tables[0](at)[..., 1])
+    return np.stack([table(at[:, k])[:, 1] for k, table in enumerate(tables)], axis=1)
 
 
-def _bearings(history: History) -> Iterator[_Place]:
-    """Taylor number of every journal bearing."""
-    system = history.system
-    fluid, speed = system.arrays.fluid, system.condition.shaft_speed
-    drain = system.condition.drain_pressure
-    viscosity = float(dynamic_viscosity(drain, fluid))
+def _bearings(system: System, speed: float) -> Iterator[tuple[str, float]]:
+    """Taylor number of every journal bearing at a speed of the shaft [rad/s]."""
+    fluid = system.arrays.fluid
+    viscosity = float(dynamic_viscosity(system.condition.drain_pressure, fluid))
     ratios = {body.name: body.speed_ratio for body in system.description.bodies}
     for journal in system.description.journals:
         radius = 0.5 * journal.diameter
@@ -181,4 +235,23 @@ def _bearings(history: History) -> Iterator[_Place]:
             radius,
             viscosity * journal.viscosity_ratio,
         )
-        yield _Place(journal.body.replace("_", " "), number)
+        yield journal.body.replace("_", " "), number
+
+
+def _lines(system: System, states: Array) -> Iterator[tuple[str, float]]:
+    """Largest Reynolds number in every line and hose that carries waves."""
+    circuit, first = system.condition.circuit, system.arrays.size.column
+    if circuit is None:
+        return
+    inner = {node.name for node in circuit.nodes}
+    for element in circuit.elements:
+        if element.states:
+            name = next(end for end in (element.node_a, element.node_b) if _is_cell(end, inner))
+            flow = float(np.abs(states[:, first]).max(initial=0.0))
+            yield name.partition(":")[0], CRITICAL_REYNOLDS * flow / element.law.critical_flow
+        first += element.states
+
+
+def _is_cell(end: str, inner: set[str]) -> bool:
+    """Whether an end of a column is a cell of its line, named after it."""
+    return ":" in end and end in inner

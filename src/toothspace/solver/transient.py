@@ -21,11 +21,14 @@ from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver import outcome
 from toothspace.solver.compiled_model import hold_shaft, observe
 from toothspace.solver.cyclic import History
+from toothspace.solver.flow_regime import FlowRegimes
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, start_march
 
 _CELLS_PER_CHUNK = 50
 _KINKS = 1000
+_LOOKS = 10
+"""States of a chunk at which the flow in its gaps is judged."""
 
 
 @final
@@ -57,9 +60,14 @@ class TransientMarch:
     status: Status = Status.DONE
     events: list[Event] = field(default_factory=list)
     statistics: dict[str, float] = field(default_factory=dict)
+    regimes: FlowRegimes = field(init=False)
+    """Largest Reynolds and Taylor numbers of the samples so far."""
     first: Array = field(default_factory=lambda: np.zeros(0))
     last: Array = field(default_factory=lambda: np.zeros(0))
     time: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.regimes = FlowRegimes(self.system)
 
     def chunks(self, progress: Progress | None = None) -> Iterator[tuple[Array, Array]]:
         """Yield times [s] and states of whole cells until the end, a failure or an interrupt."""
@@ -221,7 +229,7 @@ def transient_solution(
             event._replace(shaft_angle=float(angle))
             for event, angle in zip(march.events, angles, strict=True)
         ),
-    )
+    ).with_note(*march.regimes.findings())
 
 
 def _start(march: TransientMarch) -> tuple[Array, Array]:
@@ -258,6 +266,7 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     system = march.system
     history = _history(march, times, states)
     seen = observe(system.arrays, states, times)
+    march.regimes.look(states, seen, _LOOKS)
     sign = -1.0 if system.description.mode == "motor" else 1.0
     ports, circuit = outcome.port_values(history, seen), system.condition.circuit
     pumps = [e for e in circuit.elements if e.supplies] if circuit else []

@@ -150,7 +150,7 @@ def test_running_in_that_failed_is_used_but_not_kept(
     depths = run_in(motor).depths
     assert depths
     assert not running_in.folder().exists()
-    assert asked[0].max_steps == motor.run.max_steps
+    assert asked[0].max_steps == motor.run.step_limit(over_time=False)
 
 
 def test_a_broken_file_of_depths_counts_as_none(motor: Case) -> None:

@@ -91,7 +91,7 @@ def test_coarse_mesh_is_named_with_its_chords_and_what_to_export(tmp_path: Path)
     found = summary_of(tmp_path, meshed(outline(2000), 1e-4))
     (warning,) = [line for line in found["warnings"] if line.startswith("chord height")]
     assert 30.0 < found["chord_height_um"] < 250.0
-    assert "export STEP, or a mesh with a chord tolerance of 1 um" in warning
+    assert "export curves, not facets, as STEP, or a mesh with a chord tolerance of 1 um" in warning
 
 
 def test_form_error_gives_an_interval_and_a_warning(tmp_path: Path) -> None:

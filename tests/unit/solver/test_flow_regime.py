@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.tank_circuit import pump_between_tanks
 from toothspace import api
 from toothspace.solver.flow_regime import gap_reynolds_number, taylor_number
 
@@ -30,3 +31,26 @@ def test_a_thin_fuel_in_wide_bearings_is_told() -> None:
     assert "tooth tips" in told["Reynolds number of the gaps"].found
     slow = api.simulate("egm12_pump", **quick)
     assert not [finding for finding in slow.warnings if "number of the" in finding.quantity]
+
+
+def test_lines_and_bearings_over_time_are_judged() -> None:
+    """Jet fuel through a bore of 4 mm: beyond smooth walls; the bearings as at a constant speed."""
+    tables = pump_between_tanks("8000 rpm", "4 ms", high="outlet")
+    tables["fluid"]["name"] = "jet_a1"
+    tables["machine"]["journal_bearings"]["radial_clearance"] = "100 um"
+    tables["run"] = {"time_samples": 100}
+    circuit = tables["circuit"]
+    circuit["high"]["pressure"] = "5 bar"
+    circuit["hose"] = {
+        "kind": "hose",
+        "model": "transmission_line",
+        "length": "0.2 m",
+        "bore": "4 mm",
+        "cells": 3,
+    }
+    circuit["connections"][0] = ["machine.outlet", "hose"]
+    circuit["connections"].append(["hose", "high"])
+    told = {finding.quantity: finding for finding in api.simulate(tables).warnings}
+    assert "hose" in told["Reynolds number of lines and hoses"].found
+    assert "drive gear" in told["Taylor number of the journal bearings"].found
+    assert "tooth tips" in told["Reynolds number of the gaps"].found

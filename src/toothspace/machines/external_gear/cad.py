@@ -28,6 +28,7 @@ from toothspace.geometry.gear_finder import (
     find_in_files,
 )
 from toothspace.geometry.gear_pair import normal_play
+from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.pump_sections import (
     MachineFrame,
@@ -37,6 +38,7 @@ from toothspace.geometry.pump_sections import (
 )
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line
+from toothspace.numerics.roots import root_between
 
 _CLEARANCES = (1e-6, 300e-6)
 """Between tip circle and bore. [m]"""
@@ -131,7 +133,7 @@ def draft_case(
         title=json.dumps(
             f"Pump from {drive.file.name if isinstance(drive.file, Path) else 'points'}"
         ),
-        found="\n".join(lines + _body_keys(drive, around, unit, folder)),
+        found="\n".join(lines + _body_keys(pair, drive, around, unit, folder)),
         side_gap="10 um", shaft_speed="1500 rpm", outlet_pressure="100 bar",
     )  # fmt: skip
     used = (drive, driven if pair else None, around.casing, around.block)
@@ -180,7 +182,40 @@ def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str
     return [draft_line("center_distance", f"{1e3 * distance:.7g} mm", note), teeth]
 
 
-def _body_keys(drive: FoundGear, around: _Surroundings, unit: str, folder: Path) -> list[str]:
+def _usual_grooves(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str]:
+    """Grooves that never shut a space between two contacts; none for other than involutes."""
+    profiles = drive.detected.profile, driven.detected.profile
+    flanks = [profile.involute for profile in profiles if profile.involute is not None]
+    if len(flanks) < 2:
+        return ["# closing_side_offset, opening_side_offset and depth, or a contour: no involutes"]
+    bases, counts = sum(f.base_radius for f in flanks), [p.tooth_count for p in profiles]
+    pitch = 2.0 * np.pi * flanks[0].base_radius / counts[0]
+    distance = axis_distance(drive, driven) if paired else None
+    if distance is None:
+        distance = _meshing_distance(profiles, 2.0 * _BACKLASH * profiles[0].tip_radius / counts[0])
+    spacing = pitch * min(bases / distance, 1.0)
+    offset = f"{0.5e3 * spacing:.3g} mm"
+    return [
+        draft_line("closing_side_offset", offset, "assumed: from the centre line to the edge"),
+        draft_line("opening_side_offset", offset, "assumed"),
+        draft_line("depth", f"{0.15e3 * pitch:.2g} mm", "assumed"),
+    ]
+
+
+def _meshing_distance(profiles: tuple[GearProfile, GearProfile], backlash: float) -> float:
+    """Centre distance of involutes with a normal backlash. [m]."""
+    least = sum(profile.involute.base_radius for profile in profiles if profile.involute)
+    most = sum(profile.tip_radius for profile in profiles)
+    return root_between(lambda a: normal_play(profiles, a) - backlash, 1.0001 * least, most, 1e-9)
+
+
+def _body_keys(
+    pair: tuple[FoundGear, FoundGear] | None,
+    drive: FoundGear,
+    around: _Surroundings,
+    unit: str,
+    folder: Path,
+) -> list[str]:
     lines = ["", "[machine.casing]"]
     if around.casing is None or around.clearance is None:
         lines += [
@@ -192,12 +227,14 @@ def _body_keys(drive: FoundGear, around: _Surroundings, unit: str, folder: Path)
         lines += _part_keys(around.casing, unit, folder, "contour")
         clearance = f"{1e6 * around.clearance:.4g} um"
         lines.append(draft_line("radial_clearance", clearance, "between tip and bore"))
+    lines.append(
+        "# [machine.casing.wear_in] with pressure and shaft_speed: tips cut their track first"
+    )
+    lines += ["", "[machine.relief_grooves]"]
     if around.block is not None and around.grooved:
-        lines += ["", "[machine.relief_grooves]"]
         lines += _part_keys(around.block, unit, folder, "contour")
     else:
-        none = "# [machine.relief_grooves] were not found: what is between the teeth is shut"
-        lines += ["", none]
+        lines += _usual_grooves(*(pair or (drive, drive)), paired=pair is not None)
     note = "bore of the bearing block" if around.journal is not None else "assumed"
     diameter = around.journal or 2.0 * _SHARE_OF_ROOT * drive.detected.profile.root_radius
     size, play = f"{1e3 * diameter:.4g} mm", max(round(1e6 * 0.5e-3 * diameter), 1)

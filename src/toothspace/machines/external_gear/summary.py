@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.advice.gear_rules import (
+    backlash_check,
     bearing_checks,
     contact_ratio_check,
     pair_checks,
@@ -245,7 +246,8 @@ def _chords(detected: DetectedGear) -> DesignCheck:
     height = detected.chord_height
     return DesignCheck(
         "chord height of the profile", height * 1e6, "um",
-        f"up to {_LARGEST_CHORD * 1e6:g} um: export STEP, or a mesh with a chord tolerance of 1 um",
+        f"up to {_LARGEST_CHORD * 1e6:g} um: export curves, not facets, as STEP, or a mesh with a "
+        "chord tolerance of 1 um",
         height <= _LARGEST_CHORD,
         "Flanks are fitted through the corners of a mesh; root, tip and volumes keep its chords.",
     )  # fmt: skip
@@ -354,7 +356,25 @@ def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
             "Bearing play moves the gears together, so the mating tip needs room in the root.",
         ),
+        *_drawn_mesh_checks(assembly),
         *profile_checks(assembly),
+    )  # fmt: skip
+
+
+def _drawn_mesh_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    """Backlash and relief of teeth from files whose module is known."""
+    data, distance = gear_data(assembly.profiles[0]), assembly.mesh.center_distance
+    if data is None:
+        return ()
+    play = normal_play(assembly.profiles, distance)
+    grooved = assembly.spec.grooves is not None
+    return (
+        backlash_check(play, data.module, distance),
+        DesignCheck(
+            "relief grooves", float(grooved), "1", "grooves on both sides of the mesh", grooved,
+            "Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
+            "it, pressure peaks load the bearings and then cavitation erodes the flanks.",
+        ),
     )  # fmt: skip
 
 
