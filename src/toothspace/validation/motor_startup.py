@@ -30,7 +30,7 @@ SOURCE = ValidationSource(
     "Results are normalised. Supply pump, ramp, hose bore and modulus are not published and "
     "assumed in cases/startup_fan_drive.toml; balanced area of the bushings, edge of the "
     "high-pressure port and the friction of the seal at rest are not published either and free. So "
-    "is the preload of the bushings, 50 N, chosen so that friction at rest is near that of Table 4: "
+    "is the preload of the bushings, 50 N, chosen so that friction at rest is near Table 4: "
     "agreement there is no prediction.",
 )
 AIMS = ValidationSource(
