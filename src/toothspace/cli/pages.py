@@ -67,6 +67,8 @@ def compare(
     from toothspace.results.solution import load_solution
 
     comparison = Comparison(load_solution(first), load_solution(second))
+    # before the text, whose reader may leave early
+    written = None if target is None else comparison.write(target)
     if as_json:
         output.write(comparison.to_dict(), as_json=True)
     else:
@@ -78,8 +80,8 @@ def compare(
         output.message(f"Warning: {warning}")
     for finding in comparison.finding_lines():
         output.message(finding)
-    if target is not None:
-        output.message(f"Comparison: {comparison.write(target)}")
+    if written is not None:
+        output.message(f"Comparison: {written}")
 
 
 def animate(
