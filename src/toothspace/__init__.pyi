@@ -1,6 +1,7 @@
 from . import films as films
 from .api import describe as describe
 from .api import evaluate_designs as evaluate_designs
+from .api import new_case as new_case
 from .api import prepare as prepare
 from .api import simulate as simulate
 from .api import simulate_all as simulate_all

@@ -6,10 +6,10 @@ With lateral films from a table, bearing blocks take the position that their loa
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
-from typing import Any, cast, final
+from typing import Any, final
 
 import numpy as np
 
@@ -109,40 +109,12 @@ class Run:
             return self._over_time(progress)
         return self.repeated(progress)(self.machine)
 
-    def repeated(
-        self, progress: Progress | None = None
-    ) -> Callable[[MachineDescription], Solution]:
+    def repeated(self, progress: Progress | None = None, begin: History | None = None) -> Marches:
         """Marches to the cyclic state of this machine and of ones that differ in gaps and films.
 
-        Each begins where the last one ended.
+        Each begins where the last one ended, the first where ``begin`` does.
         """
-        case, last = self.case, cast(History | None, None)
-        plan = RunPlan(
-            revolutions=case.run.revolutions,
-            max_revolutions=case.run.max_revolutions,
-            samples_per_revolution=case.run.samples_per_revolution,
-            max_steps=case.run.step_limit(over_time=False),
-        )
-        point = case.operating_point
-        orifice = point is not None and point.outlet_load == "orifice"
-
-        def march(machine: MachineDescription) -> Solution:
-            nonlocal last
-            seats, settled = SeatSearch(machine), False
-            while not settled:
-                system = assemble(seats.machine, self.fluid, self.condition)
-                if orifice:
-                    history, told = march_against_orifice(system, plan, last, progress)
-                else:
-                    state = None if last is None else first_turn_state(last)
-                    history, told = march_to_balance(system, plan, progress, state), ""
-                last = history if history.status is Status.DONE else None
-                found = solution_from(history, self.provenance, self.values, case.title)
-                found = found.short_of(told)
-                settled = seats.agree_with(found)
-            return self._marked(seats.noted(found.with_note(*flow_regimes(history))))
-
-        return march
+        return Marches(self, progress, begin)
 
     @property
     def values(self) -> dict[str, Any]:
@@ -183,12 +155,60 @@ class Run:
             found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
         if self.condition.free_shaft is not None and found.status is Status.DONE:
             found = found.with_note(*standing(found.data))
-        return self._marked(SeatSearch(self.machine).noted(found))
+        return self.marked(SeatSearch(self.machine).noted(found))
 
-    def _marked(self, solution: Solution) -> Solution:
+    def marked(self, solution: Solution) -> Solution:
         """Solution that says where its machine is doubtful: places of bodies, a casing half cut."""
         places = self.machine.face_places
         return self.tracks.marked(solution.short_of("" if places is None else places.warning))
+
+
+@final
+class Marches:
+    """Marches of one run to its cyclic state; each begins where the last one ended.
+
+    Parameters
+    ----------
+    run : Run
+        Machine, fluid and condition.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    begin : History, optional
+        Where the first one begins: the end of a march of a machine with the same parts.
+    """
+
+    def __init__(self, run: Run, progress: Progress | None, begin: History | None) -> None:
+        self._run, self._progress = run, progress
+        self.last = begin
+        """The last march that was done; None where the next one begins anew."""
+
+    def __call__(self, machine: MachineDescription) -> Solution:
+        """March this machine to its cyclic state."""
+        run, case, progress = self._run, self._run.case, self._progress
+        plan = RunPlan(
+            revolutions=case.run.revolutions,
+            max_revolutions=case.run.max_revolutions,
+            samples_per_revolution=case.run.samples_per_revolution,
+            max_steps=case.run.step_limit(over_time=False),
+        )
+        point = case.operating_point
+        orifice = point is not None and point.outlet_load == "orifice"
+        seats, settled = SeatSearch(machine), False
+        while not settled:
+            system = assemble(seats.machine, run.fluid, run.condition)
+            last = self.last
+            if last is not None and last.system.arrays.size != system.arrays.size:
+                last = None
+            if orifice:
+                history, told = march_against_orifice(system, plan, last, progress)
+            else:
+                state = None if last is None else first_turn_state(last)
+                history, told = march_to_balance(system, plan, progress, state), ""
+            self.last = history if history.status is Status.DONE else None
+            found = solution_from(history, run.provenance, run.values, case.title)
+            found = found.short_of(told)
+            settled = seats.agree_with(found)
+        return run.marked(seats.noted(found.with_note(*flow_regimes(history))))
 
 
 def provenance_of(case: Case) -> dict[str, str]:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from tests.fake_solution import fake_solution
+from toothspace.case import load_case
 from toothspace.cli import main
 from toothspace.core.compilation import sources
 from toothspace.core.files import draft_of
 
 PROGRAM = [sys.executable, "-m", "toothspace"]
-WHOLE = "Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."
+WHOLE = "Write the report of a result: a self-contained HTML page or a PDF document."
 
 
 def test_help_tells_every_command_whole(capsys: pytest.CaptureFixture[str]) -> None:
@@ -74,3 +77,15 @@ def test_a_profile_that_links_to_itself_is_refused(
     assert main(["geometry", "egm12_motor_profile", "--set", setting]) == 2
     told = capsys.readouterr().err
     assert "machine.gears.profile: found" in told
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a full disk of this system")
+def test_a_page_is_written_although_nobody_reads_the_text(tmp_path: Path) -> None:
+    solution = fake_solution()
+    case = load_case("egm12_motor").to_toml()
+    solution = replace(solution, provenance={**solution.provenance, "case_toml": case})
+    for name in ("one.nc", "two.nc"):
+        solution.save(tmp_path / name)
+    command = " ".join([*PROGRAM, "compare", "one.nc", "two.nc", "-o", "page.html", ">/dev/full"])
+    subprocess.run(["sh", "-c", command], cwd=tmp_path, check=False, capture_output=True)
+    assert (tmp_path / "page.html").stat().st_size > 1000
