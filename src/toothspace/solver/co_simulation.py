@@ -23,7 +23,7 @@ Place = tuple[str, int]
 
 
 @final
-class Exchange:
+class CoSimulation:
     """Units of a march.
 
     Parameters

@@ -20,7 +20,7 @@ from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver import outcome
-from toothspace.solver.co_simulation import Exchange
+from toothspace.solver.co_simulation import CoSimulation
 from toothspace.solver.compiled_model import hold_shaft
 from toothspace.solver.cyclic import History
 from toothspace.solver.flow_regime import FlowRegimes
@@ -64,7 +64,7 @@ class TransientMarch:
     statistics: dict[str, float] = field(default_factory=dict)
     regimes: FlowRegimes = field(init=False)
     """Largest Reynolds and Taylor numbers of the samples so far."""
-    exchange: Exchange = field(init=False)
+    exchange: CoSimulation = field(init=False)
     """Units of other programs beside it."""
     first: Array = field(default_factory=lambda: np.zeros(0))
     last: Array = field(default_factory=lambda: np.zeros(0))
@@ -72,7 +72,7 @@ class TransientMarch:
 
     def __post_init__(self) -> None:
         self.regimes = FlowRegimes(self.system)
-        self.exchange = Exchange(self.system)
+        self.exchange = CoSimulation(self.system)
 
     def chunks(self, progress: Progress | None = None) -> Iterator[tuple[Array, Array]]:
         """Yield times [s] and states of whole cells until the end, a failure or an interrupt."""
