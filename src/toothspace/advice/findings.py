@@ -299,6 +299,23 @@ def verdict(solution: Solution) -> str:
     return text
 
 
+def change_first(solution: Solution, findings: Sequence[Finding]) -> str:
+    """Return in one or two sentences what to change first: what is wrong, else the largest loss."""
+    for severity in ("serious", "caution"):
+        for finding in findings:
+            if finding.severity == severity:
+                return finding.sentence
+    losses = sorted(loss_causes(solution.ledger), key=lambda loss: -loss.power)
+    if not losses:
+        return "Nothing: all limits and design rules are met."
+    worst = losses[0]
+    return (
+        "Nothing has to be changed: all limits and design rules are met. The largest loss is "
+        f"{worst.cause}, {worst.label}: {worst.power:.3g} W, {100.0 * worst.share:.2g} % of the "
+        "power supplied."
+    )
+
+
 def _course(numbers: Mapping[str, float | str]) -> str:
     """What happened in a run over time."""
     duration, speed = _number(numbers, "duration_s"), _number(numbers, "max_shaft_speed_rpm")

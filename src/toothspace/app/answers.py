@@ -63,8 +63,11 @@ class Answers:
         if found.status is not Status.DONE and self._last is not None:
             marches = run.repeated(progress)
             found = marches(machine)
-        self._last, self.solution = marches.last, found
-        return found
+        # what films and oil warm up to with these losses, without a further round
+        heat = HeatSearch(case, run.machine)
+        heat.agree_with(found)
+        self._last, self.solution = marches.last, heat.solution
+        return self.solution
 
     def full(self, case: Case, progress: Progress | None = None) -> Solution:
         """Solve a case with its own running-in and the temperatures that its films reach."""

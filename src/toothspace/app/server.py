@@ -197,18 +197,20 @@ class Bench:
         return self._look("look", tables, _table(given, "values"), bool(given.get("drag")))
 
     def answer(self, name: str, given: Mapping[str, Any]) -> Any:
-        """Solve a design; a newer question about it takes the place of an older one."""
-        number = self._asked[name] = self._asked.get(name, 0) + 1
-        if self._solved == name:
+        """Solve a design; a newer question of the same tab takes the place of an older one."""
+        asker = f"{name} {given.get('tab', '')}"
+        number = self._asked[asker] = self._asked.get(asker, 0) + 1
+        if self._solved == asker:
             self._solving.stop()
         with self._turn:
-            if self._asked[name] != number:
+            if self._asked[asker] != number:
                 return {"superseded": True}
-            self._solved = name
+            self._solved = asker
             design = self.workspace.design(name)
+            told = partial(self._progress, name)
             try:
                 found = self._solving.call(
-                    "answer", name, design["tables"], bool(given.get("full")), told=self._progress
+                    "answer", name, design["tables"], bool(given.get("full")), told=told
                 )
             except StoppedError:
                 return {"superseded": True}
@@ -216,10 +218,11 @@ class Bench:
                 self._solved = ""
         return {**found, "version": design["version"]}
 
-    def stop(self, name: str) -> dict[str, Any]:
-        """Stop the answer of a design at once."""
-        self._asked[name] = self._asked.get(name, 0) + 1
-        if self._solved == name:
+    def stop(self, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Stop the answer that a tab waits for at once."""
+        asker = f"{name} {given.get('tab', '')}"
+        self._asked[asker] = self._asked.get(asker, 0) + 1
+        if self._solved == asker:
             self._solving.end()
         return {}
 
@@ -290,8 +293,8 @@ class Bench:
         self._tell("design", {"id": design["id"], "version": design["version"]})
         return _without_past(design)
 
-    def _progress(self, share: float, text: str) -> None:
-        self._tell("answer", {"design": self._solved, "text": text})
+    def _progress(self, name: str, share: float, text: str) -> None:
+        self._tell("answer", {"design": name, "text": text})
 
 
 def _warmed(worker: Worker) -> None:
@@ -431,7 +434,7 @@ def application(bench: Bench) -> Any:
             route(f"{one}/variant", bench.variant, "POST"),
             route(f"{one}/look", bench.look, "POST"),
             route(f"{one}/answer", bench.answer, "POST"),
-            route(f"{one}/stop", lambda name, _: bench.stop(name), "POST"),
+            route(f"{one}/stop", bench.stop, "POST"),
             route(f"{one}/turning", bench.turning),
             route(f"{one}/toml", bench.toml),
             route(f"{one}/download/{{ending}}", bench.download),

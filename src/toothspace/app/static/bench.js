@@ -6,6 +6,7 @@ import { Machine } from "./machine.js";
 import { showStart } from "./start.js";
 import { fromShown, named, number, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
+const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
 const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
@@ -16,7 +17,8 @@ window.bench = { get design() { return design; }, get answer() { return answer; 
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
 const curves = new Curves(by("curves"), angle => turnTo(angle)), areas = new Curves(by("openings"));
-const say = message => { by("state").textContent = message; };
+by("stop").onclick = () => attempt(() => ask(`/api/designs/${design.id}/stop`, { tab: TAB }));
+const say = message => { by("state").textContent = message; by("stop").hidden = !message.endsWith("…"); };
 async function attempt(work) { try { complain(null); return await work(); } catch (error) { complain(error); say(""); return null; } }
 
 // ---- one design --------------------------------------------------------------------------------
@@ -95,7 +97,8 @@ async function solve(full = false) {
   clearTimeout(settleTimer);
   const id = design.id, began = performance.now();
   say(full ? "settling: running-in and temperatures …" : "solving …");
-  const found = await attempt(() => ask(`/api/designs/${id}/answer`, { full }));
+  const found = await attempt(() => ask(`/api/designs/${id}/answer`, { full, tab: TAB }));
+  if (found?.superseded) say("");
   if (!found || design?.id !== id || found.superseded || found.version !== design.version) return;
   window.bench.answers.push({ full, ms: performance.now() - began });
   if (!full) ghost = answer?.first ?? answer ?? ghost;
@@ -104,7 +107,7 @@ async function solve(full = false) {
   say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
   const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
   if (!full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
-  if (full || !steady) fetchTurning();
+  fetchTurning();
 }
 async function fetchTurning() {
   if (!answer?.turn || !shape?.section.cells.length) return;
@@ -165,6 +168,7 @@ function sentence() {
   return `${calm ? "No pressure peak to worry about" : "Trapped oil peaks high"}: at most ${bar(peak)}, ${text(peak / out, 3)} times the working pressure. Overall efficiency ${text(100 * n.overall_efficiency, 3)} %` + (serious ? `; ${serious} serious finding${serious > 1 ? "s" : ""} below.` : answer.findings.length ? `; ${answer.findings.length} thing${answer.findings.length > 1 ? "s" : ""} to know below.` : ".");
 }
 function showAnswer() {
+  if (!by("panel-variants").hidden) showVariants();
   const before = ghost?.numbers ?? {};
   by("verdict").textContent = sentence(); by("verdict").className = answer.done ? "" : "bad";
   by("tiles").replaceChildren(...TILES.filter(key => typeof answer.numbers[key] === "number").map(key => tile(key, answer.numbers[key], before[key])));
@@ -204,7 +208,7 @@ function flat(tables, path = "", found = {}) {
 function showVariants() {
   const kept = Object.entries(design.variants);
   if (!kept.length) { by("variants").replaceChildren(element("p", { className: "small", textContent: "Keep a state under a name, change something, and compare." })); return; }
-  const states = [...kept.map(([name, v]) => [name, flat(v.tables), v.numbers]), ["now", flat(design.tables), answer?.numbers ?? {}]];
+  const states = [...kept.map(([name, v]) => [name, flat(v.tables), v.numbers]), ["now", flat(design.tables), answer?.version === design.version ? answer.numbers : {}]];
   const keys = [...new Set(states.flatMap(([, t]) => Object.keys(t)))].filter(k => new Set(states.map(([, t]) => t[k])).size > 1);
   const cell = v => element("td", { textContent: v ?? "–" }), rows = TILES.filter(k => states.some(([, , n]) => typeof n[k] === "number"));
   by("variants").replaceChildren(element("table", {},
@@ -260,7 +264,7 @@ function turnTo(angle, own = false) {
 }
 function play(now) { if (!playing) return; if (playing.last) turnTo((machine.angle + (now - playing.last) * 0.012) % 360, true); playing.last = now; requestAnimationFrame(play); }
 function stopPlaying() { playing = 0; by("play").setAttribute("aria-pressed", "false"); by("play").textContent = "Turn"; }
-by("play").onclick = async () => { if (playing) return stopPlaying(); if (!machine.turning) await fetchTurning(); playing = { last: 0 }; by("play").setAttribute("aria-pressed", "true"); by("play").textContent = "Hold"; requestAnimationFrame(play); };
+by("play").onclick = async () => { if (playing) return stopPlaying(); if (!machine.turning) { say("drawing the turning machine …"); await fetchTurning(); say(""); } playing = { last: 0 }; by("play").setAttribute("aria-pressed", "true"); by("play").textContent = "Hold"; requestAnimationFrame(play); };
 by("angle").oninput = () => turnTo(Number(by("angle").value), true);
 by("colour").onchange = () => { machine.colour = by("colour").value; machine.legend(); machine.draw(); };
 by("arrows").onchange = () => { machine.arrows = by("arrows").checked; machine.draw(); };
@@ -275,7 +279,7 @@ function choose(name) {
   if (name === "runs") { attempt(loadRuns); studyForm(); }
 }
 by("tabs").append(...TABS.map(([name, label]) => { const tab = element("button", { type: "button", textContent: label, onclick: () => choose(name) }); tab.dataset.name = name; tab.setAttribute("role", "tab"); return tab; }));
-by("variant-form").onsubmit = event => { event.preventDefault(); variant({ action: "keep", label: by("variant-name").value, numbers: answer?.numbers ?? {} }); by("variant-name").value = ""; };
+by("variant-form").onsubmit = event => { event.preventDefault(); variant({ action: "keep", label: by("variant-name").value, numbers: answer?.version === design.version ? answer.numbers : {} }); by("variant-name").value = ""; };
 by("text-apply").onclick = () => change({ toml: by("text").value });
 by("text-reset").onclick = () => showText();
 for (const button of document.querySelectorAll("[data-run]")) button.onclick = () => startRun(button.dataset.run);
@@ -296,7 +300,7 @@ const events = new EventSource("/api/events");
 events.onmessage = ({ data }) => {
   const { kind, value } = JSON.parse(data);
   if (kind === "run") { runs = [value, ...runs.filter(r => r.id !== value.id)].sort((a, b) => b.begun - a.begun); if (design && !by("panel-runs").hidden) showRuns(); }
-  if (kind === "answer" && value.design === design?.id) say(value.text);
+  if (kind === "answer" && value.design === design?.id && !by("stop").hidden) say(`${value.text} …`);
   // another tab has changed this design
   if (kind === "design" && value.id === design?.id && value.version > design.version && !machine.held) changing = changing.then(async () => { if (value.version <= design.version) return; take(await ask(`/api/designs/${design.id}`)); await look({}, false); solve(); });
 };

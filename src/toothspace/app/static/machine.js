@@ -57,7 +57,7 @@ export class Machine {
   }
   screen([x, y]) { return [this.ox + this.k * x, this.oy - this.k * y]; }
   draw() {
-    if (!this.asked) this.asked = requestAnimationFrame(now => { this.asked = 0; this.paint(); this.frames.push(now); if (this.frames.length > 240) this.frames.shift(); });
+    if (!this.asked) this.asked = requestAnimationFrame(now => { this.asked = 0; const began = performance.now(); this.paint(); this.frames.push({ at: now, paint: performance.now() - began }); if (this.frames.length > 240) this.frames.shift(); });
   }
   paint() {
     const s = this.section;
