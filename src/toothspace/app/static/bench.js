@@ -52,7 +52,7 @@ async function look(values, drag, fit = false) {
   shape = found;
   const now = Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h]));
   const held = machine.held;
-  for (const handle of found.handles) if (now[handle.path]) { const old = now[handle.path]; Object.assign(handle, { place: old.place ?? handle.place, value: old.value, low: old.low, high: old.high, now: old.now }); }
+  for (const handle of found.handles) if (now[handle.path]) { const old = now[handle.path]; Object.assign(handle, { place: old.place ?? handle.place, value: old.value, low: old.low, high: old.high, now: old.now, drawn: values[handle.path] === written(old, old.now) ? old.now - old.value : undefined }); }
   if (held) held.handle = found.handles.find(h => h.path === held.handle.path) ?? held.handle;
   if (drag) machine.turn(null);
   machine.show(found.section, found.handles, fit);
@@ -75,7 +75,7 @@ const written = (handle, value) => handle.unit ? `${value} ${handle.unit}` : val
 
 function move(handle, value) {
   handle.now = value; lastMoved = handle.path;
-  machine.placeHandles(); showDimension(handle); lookSoon(moved());
+  machine.preview(handle); machine.placeHandles(); showDimension(handle); lookSoon(moved());
   clearTimeout(timer); clearTimeout(settleTimer);
   timer = setTimeout(() => commit(handle), machine.held ? 1e9 : QUIET);
 }

@@ -39,6 +39,29 @@ export class Machine {
     }
     this.legend(); this.draw();
   }
+  // what follows a handle at once, before the tables are made anew
+  preview(handle) {
+    const s = this.section, moved = (handle.now ?? handle.value) - handle.value, name = handle.path.split(".").at(-1), p = handle.place;
+    if (!s || !p || handle.drawn === moved) return;
+    const step = moved - (handle.drawn ?? 0); handle.drawn = moved;
+    const shift = p.kind === "line" ? p.direction.map(d => d * step) : [0, 0];
+    if (/offset$|^width$|^radial_extent$/.test(name)) {
+      for (const outline of Object.values(s.recesses)) {
+        if (outline.length > 6) continue;
+        const side = Math.sign(outline.reduce((sum, q) => sum + q[0], 0)), x = outline.map(q => q[0] * side), y = outline.map(q => q[1]), far = Math.max(...x), middle = (Math.max(...y) + Math.min(...y)) / 2;
+        const own = name === "width" || name === "radial_extent" || side === Math.sign(p.point[0]);
+        if (!own) continue;
+        for (const q of outline) {
+          if (name === "radial_extent") q[1] += Math.sign(q[1] - middle) * shift[1];
+          else if (name === "width") { if (Math.abs(q[0] * side - far) < 1e-6) q[0] += side * Math.abs(shift[0]) * Math.sign(step); }
+          else q[0] += shift[0];
+        }
+      }
+      this.recesses = Object.values(s.recesses).map(outline => ring2path([outline]));
+    } else if (name === "center_distance") s.bodies[1].center = s.bodies[1].center.map((c, i) => c + shift[i]);
+    else if (name === "diameter") for (const body of s.bodies) if (body.journal) body.journal += 2 * Math.hypot(...shift) * Math.sign(step);
+    this.draw();
+  }
   measure() {
     const points = this.section.housing.flat().concat(...Object.values(this.section.ports).map(r => r.flat()));
     const x = points.map(p => p[0]), y = points.map(p => p[1]);
@@ -158,6 +181,7 @@ export class Machine {
     });
     const release = () => { if (this.held?.group === group) { group.classList.remove("held"); const { handle } = this.held; this.held = null; this.onRelease(handle); } };
     group.addEventListener("pointerup", release); group.addEventListener("pointercancel", release);
+    group.addEventListener("lostpointercapture", release);
     group.addEventListener("keydown", event => {
       const handle = find(), step = (handle.whole ? 1 : (handle.high - handle.low) / 200) * (event.shiftKey ? 10 : 1);
       const sign = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
