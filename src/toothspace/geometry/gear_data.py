@@ -199,12 +199,17 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
 
 
 def flank_warnings(contents: FileContents) -> list[str]:
-    """What the flanks of the gears leave uncertain: base diameters not known to 3 um.
+    """What the flanks of the gears leave uncertain: taper, base diameters not known to 3 um.
 
-    One line for each such gear, with its form error and chords.
+    One line for each such gear, with its taper, or its form error and chords.
     """
     lines = []
     for gear in contents.gears:
+        if gear.taper:
+            lines.append(
+                f"{_called(gear)}: its teeth taper by {np.rad2deg(gear.taper):.2g} deg along the "
+                "axis, as drafted, conical or bevel ones; the numbers are those of one section"
+            )
         fit, chord = gear.detected.involute, 1e6 * gear.detected.chord_height
         if fit is not None and fit.base_diameter_uncertainty > CERTAIN_BASE_DIAMETER:
             lines.append(
@@ -228,6 +233,7 @@ def gear_report(found: FoundGear) -> dict[str, object]:
         "root_diameter_mm": 2e3 * profile.root_radius,
         "face_width_mm": None if found.face_width is None else 1e3 * found.face_width,
         "helix_angle_deg": float(np.rad2deg(found.helix_angle)),
+        "taper_deg": float(np.rad2deg(found.taper)),
         "axis": [float(value) for value in found.axis],
         "center_mm": [1e3 * float(value) for value in found.center],
         "chord_height_um": 1e6 * found.detected.chord_height,
