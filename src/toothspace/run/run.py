@@ -46,6 +46,7 @@ _BEYOND = (
     "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
     "counts as its edge: make tables over a wider range."
 )
+_NATIVE = "circuit.{} is native code of {}, which ran with the rights of this program"
 _UNSEATED = (
     "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
     "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
@@ -149,6 +150,9 @@ class Run:
 
         system = assemble(self.machine, self.fluid, self.condition)
         found = solve_to_balance(system, solve)
+        units = self.condition.circuit.units if self.condition.circuit else ()
+        for unit in units:
+            found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
         if self.condition.free_shaft is not None and found.status is Status.DONE:
             found = found.with_note(*standing(found.data))
         return self.marked(SeatSearch(self.machine).noted(found))
