@@ -50,6 +50,8 @@ class FoundGear:
     """Helix angle on the circle halfway up the teeth, positive for a right-hand helix, 0 for spur
     teeth. [rad]
     """
+    taper: float = 0.0
+    """Angle by which the teeth narrow along the axis, as drafted, conical or bevel ones. [rad]"""
 
 
 @final
@@ -131,14 +133,14 @@ def find_in_files(
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
-        Axis and plane of gears in solid files; None to find them.
+        Axis and plane of gears in solid files, layer of plane ones; None to find them.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []
     refused = []
     for path in paths:
         try:
-            found = find_gears(path, unit, request)
+            found = find_gears(path, unit, request, request.layer if request else None)
         except GeometryError as error:
             if not is_solid(path):
                 raise
@@ -200,6 +202,7 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
         face_width=None if teeth is None else teeth[1] - teeth[0],
         length=cut.extent[1] - cut.extent[0],
         helix_angle=_helix_angle(cut, detected),
+        taper=_taper(cut, detected),
     )
 
 
@@ -230,6 +233,19 @@ def _helix_angle(cut: BodySection, detected: DetectedGear) -> float:
     if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
         return 0.0
     return angle
+
+
+def _taper(cut: BodySection, detected: DetectedGear) -> float:
+    """Change of tip circle or size between two sections over their distance, as an angle. [rad]."""
+    if cut.second is None or cut.second_height == cut.height:
+        return 0.0
+    curves = [curve - np.array(detected.center) for curve in (cut.curves[0], cut.second)]
+    tips = [float(np.hypot(*curve.T).max()) for curve in curves]
+    sizes = [float(np.sqrt(abs(signed_area(curve)) / np.pi)) for curve in curves]
+    change = max(abs(tips[0] - tips[1]), abs(sizes[0] - sizes[1]))
+    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
+    angle = float(np.arctan(change / abs(cut.height - cut.second_height)))
+    return 0.0 if change < max(_CHORDS * chords, _LEAST_SHIFT) or angle < _LEAST_HELIX else angle
 
 
 def _outermost(curves: list[Array]) -> list[Array]:

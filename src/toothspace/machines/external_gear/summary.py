@@ -84,6 +84,8 @@ def geometry_summary(
     first, second = (profile.base_radius for profile in assembly.profiles)
     angle = np.arccos((first + second) / distance) if first and second else None
     helix = assembly.spec.helix
+    if helix is not None:
+        backlash *= float(np.cos(helix.base_angle))
     ripple = flow_ripple(assembly) if helix is None else helix.ripple(flow_over_pitch(assembly))
     return {
         **tooth_data(assembly),
@@ -259,6 +261,12 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
                 angle == 0.0,
                 "Teeth are taken as spur with this transverse section: overlap, thrust and the "
                 "spread of trapping along the face width are missing.",
+            ),
+            DesignCheck(
+                "taper of the profile", float(np.rad2deg(gear.taper)), "deg", "0 deg",
+                gear.taper == 0.0,
+                "Teeth are taken as wide as in this section along the whole face: drafted, conical "
+                "and bevel teeth touch and seal at one end only.",
             ),
         ]  # fmt: skip
     flanks = [(p.involute, p.tooth_count) for p in assembly.profiles]
