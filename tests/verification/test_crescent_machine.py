@@ -106,7 +106,7 @@ def test_a_notch_lets_pressure_in_before_the_outlet_opens() -> None:
     assert ripple[0] > 0.25
     assert ripple[1] < 0.05
     # what is let in early is missing later: the mean changes by its leakage only
-    assert flows[1].mean() == pytest.approx(flows[0].mean(), rel=3e-3)
+    assert flows[1].mean() == pytest.approx(flows[0].mean(), rel=5e-3)
 
 
 @pytest.mark.slow
