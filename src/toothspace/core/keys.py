@@ -660,13 +660,13 @@ class Variant(Key):
         return {self.tag: self.name_of(value), **Table(spec=type(value)).written(value, file_text)}
 
     def schema(self) -> Schema:
-        return {"oneOf": [self._kind(name, spec) for name, spec in self.variants.items()]}
-
-    def _kind(self, name: str, spec: type) -> Schema:
-        schema = Table(spec=spec).schema()
-        schema["properties"] = {self.tag: {"const": name}, **schema["properties"]}
-        schema["required"] = [self.tag, *schema["required"]]
-        return schema
+        kinds = []
+        for name, spec in self.variants.items():
+            schema = Table(spec=spec).schema()
+            schema["properties"] = {self.tag: {"const": name}, **schema["properties"]}
+            schema["required"] = [self.tag, *schema["required"]]
+            kinds.append(schema)
+        return {"oneOf": kinds}
 
 
 @final

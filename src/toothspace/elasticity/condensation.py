@@ -51,7 +51,15 @@ def flexibility(
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
     graph = scipy.sparse.csr_matrix(joined, shape=(len(nodes), len(nodes)))
     # parts that share no unknown are eliminated apart, so fronts stay small
-    parts = _planned(dissect(nodes, graph), graph, rows)
+    parts: list[_EliminationPart] = []
+    done = np.zeros(graph.shape[0], dtype=np.bool_)
+    for own, children in dissect(nodes, graph):
+        below = [parts[child] for child in children]
+        near = [graph.indices[graph.indptr[k] : graph.indptr[k + 1]] for k in own]
+        done[own] = True
+        found = _union([*near, *(part.outer for part in below)])
+        loaded = _union([rows[_unknowns(own)].indices, *(part.columns for part in below)])
+        parts.append(_EliminationPart(own, found[~done[found]], loaded, children))
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
     place = np.full(len(nodes), -1, dtype=np.int64)
@@ -100,22 +108,6 @@ class _EliminationPart(NamedTuple):
     def sizes(self) -> tuple[int, int, int]:
         """Unknowns eliminated and left, and load columns. [-]."""
         return 3 * self.own.size, 3 * self.outer.size, self.columns.size
-
-
-def _planned(
-    tree: list[Separator], graph: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix
-) -> list[_EliminationPart]:
-    """What every front holds."""
-    parts: list[_EliminationPart] = []
-    done = np.zeros(graph.shape[0], dtype=np.bool_)
-    for own, children in tree:
-        below = [parts[child] for child in children]
-        near = [graph.indices[graph.indptr[k] : graph.indptr[k + 1]] for k in own]
-        done[own] = True
-        found = _union([*near, *(part.outer for part in below)])
-        columns = _union([loads[_unknowns(own)].indices, *(part.columns for part in below)])
-        parts.append(_EliminationPart(own, found[~done[found]], columns, children))
-    return parts
 
 
 def _unknowns(nodes: IntArray) -> IntArray:

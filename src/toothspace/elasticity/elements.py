@@ -134,7 +134,17 @@ def stiffness_matrix(
        analysis, Int. J. Numer. Methods Eng. 10 (1976) 1211-1219.
     """
     law = hooke(elastic_modulus, poisson_ratio)
-    place, start, column = _pattern(mesh.elements, len(mesh.nodes))
+    count = len(mesh.nodes)
+    width = mesh.elements.shape[1]
+    rows = np.repeat(mesh.elements, width, axis=1).ravel()
+    columns = np.tile(mesh.elements, (1, width)).ravel()
+    keys, blocks = np.unique(rows * np.int64(count) + columns, return_inverse=True)
+    begin = np.searchsorted(keys, np.arange(count + 1, dtype=np.int64) * count)
+    place, start, column = (
+        blocks.astype(np.int64),
+        begin.astype(np.int64),
+        (keys % count).astype(np.int64),
+    )
     width = mesh.elements.shape[1]
     place = place.reshape(-1, width, width)
     values = np.zeros((column.size, 3, 3))
@@ -145,16 +155,6 @@ def stiffness_matrix(
         _sum_blocks(matrices, place[some], values)
     out = scipy.sparse.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()
-
-
-def _pattern(elements: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:
-    """Place of every element block among the blocks of the matrix, rows and columns."""
-    width = elements.shape[1]
-    rows = np.repeat(elements, width, axis=1).ravel()
-    columns = np.tile(elements, (1, width)).ravel()
-    keys, place = np.unique(rows * np.int64(count) + columns, return_inverse=True)
-    start = np.searchsorted(keys, np.arange(count + 1, dtype=np.int64) * count)
-    return place.astype(np.int64), start.astype(np.int64), (keys % count).astype(np.int64)
 
 
 @njit

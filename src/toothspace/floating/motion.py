@@ -215,7 +215,12 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         change = deformation.take(states, task.loads.back.low)
         steady = max(s.change for s in states) <= _STEADY
         if steady and predicted is not None and jacobian is not None:
-            jacobian = _corrected(jacobian, predicted, _forces(task, states, v, slides)[0])
+            # stiffness that would have predicted the force found after the step (Broyden 1965)
+            taken, expected = predicted
+            size = float(taken @ taken)
+            if size > 0.0:
+                missing = expected - _forces(task, states, v, slides)[0]
+                jacobian = jacobian[0] + np.outer(missing, taken) / size, jacobian[1]
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
             jacobian, age = deformation.renew(states), 0
         age += 1
@@ -306,17 +311,6 @@ def _matrix(task: _StepTask, jacobian: tuple[Array, Array], drag: Array) -> Arra
     """Minus the derivative of the forces with the coordinates at the end of the step."""
     stiffness, damping = jacobian
     return np.asarray(stiffness + (damping + drag) / task.duration)
-
-
-def _corrected(
-    jacobian: tuple[Array, Array], predicted: tuple[Array, Array], force: Array
-) -> tuple[Array, Array]:
-    """Stiffness that would have predicted the force found after a step (Broyden 1965)."""
-    step, expected = predicted
-    size = float(step @ step)
-    if size == 0.0:
-        return jacobian
-    return jacobian[0] + np.outer(expected - force, step) / size, jacobian[1]
 
 
 def _newton_step(

@@ -215,7 +215,16 @@ def groove_openings(
     """
     if not polygons:
         return {}
-    reach = max(_reach(spaces, groove) for groove in polygons.values())
+    reaches = []
+    for groove in polygons.values():
+        if shapely.Polygon(groove).buffer(1e-6).contains(shapely.Point(*spaces.center)):
+            place = float(np.pi)
+        else:
+            x, y = (groove - spaces.center).T
+            rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
+            place = float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))
+        reaches.append(place)
+    reach = max(reaches)
     near = np.flatnonzero(np.abs(spaces.angles) < reach)
     shapes = enclosed(space_outlines(spaces, near))
     found = {}
@@ -230,12 +239,3 @@ def groove_openings(
         table[near[there]] = np.column_stack([series, 4.0 * area / perimeter])
         found[name] = table
     return found
-
-
-def _reach(spaces: Spaces, groove: Array) -> float:
-    # largest place of a tooth space that touches the groove
-    if shapely.Polygon(groove).buffer(1e-6).contains(shapely.Point(*spaces.center)):
-        return float(np.pi)
-    x, y = (groove - spaces.center).T
-    rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
-    return float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))

@@ -68,7 +68,13 @@ def load_closed_curves(
     else:
         path = _present(path)
         with reading(path, "an intact file"):
-            curves = _read(path, unit, layer)
+            if path.suffix.lower() in SOLID_SUFFIXES:
+                cuts = solid_sections(path, unit, SectionRequest())
+                curves = [curve for cut in cuts for curve in cut.curves]
+            elif path.stat().st_size > _LARGE:
+                curves = read_curves(path, unit, layer)
+            else:
+                curves = plane_curves(path, unit, layer)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:
@@ -122,15 +128,6 @@ def _present(path: Path) -> Path:
     if path.stat().st_size == 0:
         raise GeometryError(path, "an empty file", "at least one closed curve")
     return path
-
-
-def _read(path: Path, unit: float, layer: str | None) -> list[Array]:
-    if path.suffix.lower() in SOLID_SUFFIXES:
-        cuts = solid_sections(path, unit, SectionRequest())
-        return [curve for cut in cuts for curve in cut.curves]
-    if path.stat().st_size > _LARGE:
-        return read_curves(path, unit, layer)
-    return plane_curves(path, unit, layer)
 
 
 def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
@@ -317,7 +314,14 @@ def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
         pieces = [piece for piece in pieces if np.ptp(piece, axis=0).max() > 0.0]
         if not pieces:
             return np.zeros((0, 2))
-        joined = [pieces[0] if _ends_at(pieces, 0) else pieces[0][::-1]]
+        if len(pieces) == 1:
+            first_ahead = True
+        else:
+            ends = pieces[0 + 1][[0, -1]]
+            gap_end = np.min(np.hypot(*(ends - pieces[0][-1]).T))
+            gap_start = np.min(np.hypot(*(ends - pieces[0][0]).T))
+            first_ahead = bool(gap_end <= gap_start)
+        joined = [pieces[0] if first_ahead else pieces[0][::-1]]
         for piece in pieces[1:]:
             ahead = np.hypot(*(piece[0] - joined[-1][-1])) <= np.hypot(
                 *(piece[-1] - joined[-1][-1])
@@ -333,16 +337,6 @@ def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
         kind = entity.dxftype()
         raise GeometryError(path, f"a {kind} that is not finite", "numbers")
     return points
-
-
-def _ends_at(pieces: list[Array], index: int) -> bool:
-    # an arc of negative bulge comes out reversed; its neighbour tells
-    if len(pieces) == 1:
-        return True
-    ends = pieces[index + 1][[0, -1]]
-    gap_end = np.min(np.hypot(*(ends - pieces[index][-1]).T))
-    gap_start = np.min(np.hypot(*(ends - pieces[index][0]).T))
-    return bool(gap_end <= gap_start)
 
 
 _MERGE_TOLERANCES = (0.0, 1e-8, 1e-7, 1e-6)

@@ -509,46 +509,38 @@ def _half_tooth(
     corner = float(flank.half_angle(tip_radius))
     rounding = []
     if not sharp:
-        path = _rounding_path(radius, angle, flank, tip_radius)
+        # from the tip corner inwards to the end of the involute
+        tip_end = flank.tip_form_radius
+        last = int(np.flatnonzero(radius <= tip_end)[-1]) + 1
+        half = float(flank.half_angle(tip_end))
+        shift = half - float(
+            np.interp(tip_end, radius[last - 1 : last + 1], angle[last - 1 : last + 1])
+        )
+        outer = polar(radius[last:], angle[last:] + shift)
+        path = np.vstack([outer[::-1], polar(np.array([tip_end]), np.array([half]))])
+        path[0] *= tip_radius / np.hypot(*path[0])
         corner = float(np.arctan2(path[0, 1], path[0, 0]))
         rounding = [CurveSegment(_along(path), (0.7, 1.0))]
     level = 0.0 if sharp else 1.0
+    # from the begin of the involute inwards to the middle of the tooth space
+    begin = flank.form_radius
+    # an involute may begin on the root circle itself
+    first = max(int(np.argmax(radius > begin + _TOUCH * begin)), 1)
+    root_half = float(flank.half_angle(begin))
+    near = slice(first - 1, first + 1)
+    root_shift = root_half - float(np.interp(begin, radius[near], angle[near]))
+    share = (radius[:first] - radius[0]) / max(begin - radius[0], _TOUCH * begin)
+    inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * root_shift)
+    inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
+    inwards = np.vstack([polar(np.array([begin]), np.array([root_half])), inner[::-1]])
+    if len(inwards) > _ROOT_POINTS:
+        inwards = even_points(inwards, _ROOT_POINTS)
     return [
         CurveSegment(lambda u: polar(tip_radius, corner * u), (0.0, 0.7 * level)),
         *rounding,
         CurveSegment(flank.curve(end), (level, 1.0)),
-        CurveSegment(_along(_root_path(radius, angle, flank, tooth_count, root_radius)),
-                     (1.0, 0.0)),
+        CurveSegment(_along(inwards), (1.0, 0.0)),
     ]  # fmt: skip
-
-
-def _rounding_path(radius: Array, angle: Array, flank: InvoluteFlank, tip_radius: float) -> Array:
-    # from the tip corner inwards to the end of the involute
-    end = flank.tip_form_radius
-    last = int(np.flatnonzero(radius <= end)[-1]) + 1
-    half = float(flank.half_angle(end))
-    shift = half - float(np.interp(end, radius[last - 1 : last + 1], angle[last - 1 : last + 1]))
-    outer = polar(radius[last:], angle[last:] + shift)
-    path = np.vstack([outer[::-1], polar(np.array([end]), np.array([half]))])
-    path[0] *= tip_radius / np.hypot(*path[0])
-    return path
-
-
-def _root_path(
-    radius: Array, angle: Array, flank: InvoluteFlank, tooth_count: int, root_radius: float
-) -> Array:
-    # from the begin of the involute inwards to the middle of the tooth space
-    end = flank.form_radius
-    # an involute may begin on the root circle itself
-    first = max(int(np.argmax(radius > end + _TOUCH * end)), 1)
-    half = float(flank.half_angle(end))
-    near = slice(first - 1, first + 1)
-    shift = half - float(np.interp(end, radius[near], angle[near]))
-    share = (radius[:first] - radius[0]) / max(end - radius[0], _TOUCH * end)
-    inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
-    inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
-    path = np.vstack([polar(np.array([end]), np.array([half])), inner[::-1]])
-    return path if len(path) <= _ROOT_POINTS else even_points(path, _ROOT_POINTS)
 
 
 def _along(path: Array) -> Callable[[Array], Array]:

@@ -67,9 +67,16 @@ def _named_solids(path: Path) -> list[tuple[str, Any]]:
 
 
 def _collect(shapes: Any, label: Any, place: Any, name: str, found: list[tuple[str, Any]]) -> None:
+    from OCP.TDataStd import TDataStd_Name
     from OCP.TDF import TDF_Label
 
-    own = _name(label) or name
+    attribute = TDataStd_Name()
+    if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
+        named = ""
+    else:
+        written = str(attribute.Get().ToExtString())
+        named = "" if written in _NO_NAMES else written
+    own = named or name
     if shapes.IsReference_s(label):
         target = TDF_Label()
         shapes.GetReferredShape_s(label, target)
@@ -97,16 +104,6 @@ def _label_sequence() -> Any:
 
         return TDF_LabelSequence()
     return Sequence_TDF_Label()
-
-
-def _name(label: Any) -> str:
-    from OCP.TDataStd import TDataStd_Name
-
-    attribute = TDataStd_Name()
-    if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
-        return ""
-    name = str(attribute.Get().ToExtString())
-    return "" if name in _NO_NAMES else name
 
 
 def _mesh(solid: Any) -> SurfaceMesh:
@@ -140,28 +137,33 @@ def _section(file: str, solid: Any, frame: Array, height: float) -> list[Array]:
         else:
             pieces += found
     if others:
-        pieces += _edges(_common(others, frame[2], height))
+        axis = frame[2]
+        # curves in which faces of any kind meet a plane
+        from OCP.BRep import BRep_Builder
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
+        from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
+        from OCP.TopoDS import TopoDS_Compound
+
+        compound, builder = TopoDS_Compound(), BRep_Builder()
+        builder.MakeCompound(compound)
+        for other in others:
+            builder.Add(compound, other)
+        plane = gp_Pln(gp_Pnt(*map(float, axis * height / _UNIT)), gp_Dir(*map(float, axis)))
+        pieces += _edges(BRepAlgoAPI_Section(compound, plane).Shape())
     return chain_closed([piece @ frame[:2].T * _UNIT for piece in pieces], _JOIN, file)
-
-
-def _common(faces: list[Any], axis: Array, height: float) -> Any:
-    # curves in which faces of any kind meet a plane
-    from OCP.BRep import BRep_Builder
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
-    from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
-    from OCP.TopoDS import TopoDS_Compound
-
-    compound, builder = TopoDS_Compound(), BRep_Builder()
-    builder.MakeCompound(compound)
-    for face in faces:
-        builder.Add(compound, face)
-    plane = gp_Pln(gp_Pnt(*map(float, axis * height / _UNIT)), gp_Dir(*map(float, axis)))
-    return BRepAlgoAPI_Section(compound, plane).Shape()
 
 
 def _section_of_wall(face: Any, axis: Array, height: float) -> list[Array] | None:
     # a wall along the axis between two flat edges has their outline at every height
-    if not _beside(face, axis, height):
+    # whether the box round a face holds the height
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    box = Bnd_Box()
+    BRepBndLib.Add_s(face, box)
+    low, high = (np.array([p.X(), p.Y(), p.Z()]) for p in (box.CornerMin(), box.CornerMax()))
+    middle, half = 0.5 * (low + high) @ axis, 0.5 * (high - low) @ np.abs(axis)
+    if not bool(abs(height / _UNIT - middle) <= half):
         return []
     if not _along_axis(face, axis):
         return None
@@ -177,18 +179,6 @@ def _section_of_wall(face: Any, axis: Array, height: float) -> list[Array] | Non
     if not bottom < height < top:
         return []
     return [edge for edge in level if edge[0] @ axis * _UNIT < height]
-
-
-def _beside(face: Any, axis: Array, height: float) -> bool:
-    # whether the box round a face holds the height
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
-    box = Bnd_Box()
-    BRepBndLib.Add_s(face, box)
-    low, high = (np.array([p.X(), p.Y(), p.Z()]) for p in (box.CornerMin(), box.CornerMax()))
-    middle, half = 0.5 * (low + high) @ axis, 0.5 * (high - low) @ np.abs(axis)
-    return bool(abs(height / _UNIT - middle) <= half)
 
 
 def _along_axis(face: Any, axis: Array) -> bool:

@@ -203,6 +203,24 @@ def assemble(
     tables_over_time = Tables()
     elements = (condition.circuit or CircuitNetwork()).rows(places, LAWS, tables_over_time)
     drive = _drive(description, condition, free, tables_over_time)
+    mesh = rigid_mesh(description, condition)
+    if mesh is None:
+        surface = ContactSurface(1.0, 1.0, 0.0, 0.05, 1.0, 1.0)
+    else:
+        contact = next(c for c in description.contacts if c.name == mesh.contact)
+        surface = ContactSurface(
+            contact.effective_modulus,
+            contact.roughness,
+            contact.boundary_friction,
+            contact.limiting_shear,
+            contact.width,
+            mesh.lever,
+        )
+    held = int(np.count_nonzero(dynamic < 0))
+    # rows of the state in which mass and gas of each node stand
+    balance = np.column_stack([sizes.mass + dynamic, sizes.gas + dynamic])
+    first = sizes.total - 2 * held
+    balance[dynamic < 0] = np.arange(first, sizes.total).reshape(2, held).T
     arrays = SystemArrays(
         size=sizes,
         constant=Constants(
@@ -214,7 +232,7 @@ def assemble(
             asperity_range=journals.asperity_range,
         ),
         fluid=fluid,
-        surface=_surface(description, condition),
+        surface=surface,
         film=journals.film,
         bank=bank,
         chambers=make_members(bank, families, 0, [OPEN] * len(families)),
@@ -229,7 +247,7 @@ def assemble(
             packed=True,
         ),
         dynamic_index=dynamic,
-        balance=_balance(dynamic, sizes),
+        balance=balance,
         **path_arrays(description, paths, categories),
         journal=journals.rows,
         asperity=journals.asperity,
@@ -285,15 +303,6 @@ def _sizes(
     )
 
 
-def _balance(dynamic: IntArray, sizes: Sizes) -> IntArray:
-    """Rows of the state in which mass and gas of each node stand. Shape (nodes, 2)."""
-    held = int(np.count_nonzero(dynamic < 0))
-    rows = np.column_stack([sizes.mass + dynamic, sizes.gas + dynamic])
-    first = sizes.total - 2 * held
-    rows[dynamic < 0] = np.arange(first, sizes.total).reshape(2, held).T
-    return rows
-
-
 def _chamber_tables(
     description: MachineDescription,
     family: ChamberFamily,
@@ -312,21 +321,6 @@ def _chamber_tables(
         return tables
     load = load_table(description, family, loads)
     return [stack_tables(table, load) for table in tables]
-
-
-def _surface(description: MachineDescription, condition: OperatingCondition) -> ContactSurface:
-    mesh = rigid_mesh(description, condition)
-    if mesh is None:
-        return ContactSurface(1.0, 1.0, 0.0, 0.05, 1.0, 1.0)
-    contact = next(c for c in description.contacts if c.name == mesh.contact)
-    return ContactSurface(
-        contact.effective_modulus,
-        contact.roughness,
-        contact.boundary_friction,
-        contact.limiting_shear,
-        contact.width,
-        mesh.lever,
-    )
 
 
 def _dynamic_index(description: MachineDescription, condition: OperatingCondition) -> IntArray:

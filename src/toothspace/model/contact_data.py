@@ -185,38 +185,23 @@ def _law_columns(contact: ContactPair) -> Array:
         facing = geometry[:, 0] < contact.facing_gap
         level = np.log(np.maximum(hertz_scale(first, second, contact.depth), least))
         depths = _DEPTHS * contact.width
-        columns[:, 1:] = _pereira_columns(first, second, facing, contact_modulus, level, depths)
+        # outside the range of Pereira's law, as near an inflection, the power law follows Hertz
+        level_and_power = np.zeros((first.size, 2))
+        level_and_power[:, 1] = 1.0
+        for i in np.flatnonzero(facing):
+            difference = abs(first[i] + second[i])
+            internal = bool(first[i] * second[i] < 0.0)
+            if in_pereira_range(difference, internal):
+                force = pereira_force(depths, difference, 1.0, contact_modulus, internal)
+            else:
+                force = [logarithmic_law(d, level[i], contact_modulus)[0] for d in depths]
+            level_and_power[i, 1] = np.log(force[0] / force[1]) / np.log(depths[0] / depths[1])
+            level_and_power[i, 0] = np.log(force[0]) - level_and_power[i, 1] * np.log(depths[0])
+        columns[:, 1:] = level_and_power
     else:
         scale = johnson_scale(first, second)
         if contact.law == "hertz_line":
             scale = hertz_scale(first, second, contact.depth)
         stiffness = contact.structure_stiffness / contact.width
         columns[:, 1] = series_level(np.maximum(scale, least), contact_modulus, stiffness)
-    return columns
-
-
-def _pereira_columns(
-    first: Array,
-    second: Array,
-    facing: BoolArray,
-    contact_modulus: float,
-    hertz_level: Array,
-    depths: Array,
-) -> Array:
-    """Level and exponent of Pereira's law, where the surfaces face each other.
-
-    Where the radii lie outside its range, as near the inflection of a flank, the power law
-    follows Hertz at the two depths.
-    """
-    columns = np.zeros((first.size, 2))
-    columns[:, 1] = 1.0
-    for i in np.flatnonzero(facing):
-        difference = abs(first[i] + second[i])
-        internal = bool(first[i] * second[i] < 0.0)
-        if in_pereira_range(difference, internal):
-            force = pereira_force(depths, difference, 1.0, contact_modulus, internal)
-        else:
-            force = [logarithmic_law(d, hertz_level[i], contact_modulus)[0] for d in depths]
-        columns[i, 1] = np.log(force[0] / force[1]) / np.log(depths[0] / depths[1])
-        columns[i, 0] = np.log(force[0]) - columns[i, 1] * np.log(depths[0])
     return columns

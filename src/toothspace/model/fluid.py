@@ -437,7 +437,19 @@ def fluid_law(
         Air in it.
     """
     liquid = liquid_at(source, temperature)
-    fall = _viscosity_fall(source, temperature, liquid.dynamic_viscosity)
+    # one-sided at the end of the fluid's range
+    low, high = temperature_range(source)
+    step = 1.0 if temperature + 1.0 <= high else -1.0
+    fall = (
+        0.0
+        if temperature + step < low
+        else float(
+            np.log(
+                liquid.dynamic_viscosity / liquid_at(source, temperature + step).dynamic_viscosity
+            )
+            / step
+        )
+    )
     law = mixed_law(liquid, temperature, gas or GasModel())
     return law._replace(viscosity_temperature=fall)
 
@@ -455,15 +467,6 @@ def _table(source: str | Path | Columns) -> Path | Columns | None:
     if isinstance(source, str):
         return Path(source) if source.endswith(".csv") else None
     return source
-
-
-def _viscosity_fall(source: str | Path | Columns, temperature: float, viscosity: float) -> float:
-    """Relative fall of the viscosity per kelvin; one-sided at the end of the fluid's range."""
-    low, high = temperature_range(source)
-    step = 1.0 if temperature + 1.0 <= high else -1.0
-    if temperature + step < low:
-        return 0.0
-    return float(np.log(viscosity / liquid_at(source, temperature + step).dynamic_viscosity) / step)
 
 
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:

@@ -80,7 +80,18 @@ def journal_data(
         for j, place in zip(carried, places, strict=False)
     ]
     if blocks:
-        rows.append(_block_row(blocks.film, len(free), places[-1]))
+        # the film between bearing blocks and housing: nothing turns, nothing carries it
+        motion = len(free)
+        size = (
+            blocks.film.count,
+            0.5 * blocks.film.diameter,
+            blocks.film.length,
+            blocks.film.radial_clearance,
+        )
+        at_rest = 0.0, 0.0, 0.0, blocks.film.boundary_friction, -1
+        rows.append(
+            (motion, motion + 1, *size, *at_rest, places[-1], 0.0, 0.0, 0, 0.0, 1.0, -1, -1)
+        )
     return JournalData(
         rows=np.array(rows, dtype=float).reshape(len(journals), col.JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
@@ -90,13 +101,6 @@ def journal_data(
         film=maps[0]._replace(nodes=np.stack([one.nodes for one in maps])),
         curves=_friction_curves(journals),
     )
-
-
-def _block_row(film: LumpedJournalBearing, motion: int, place: int) -> tuple[float, ...]:
-    """Row of the film between bearing blocks and housing: nothing turns, nothing carries it."""
-    size = film.count, 0.5 * film.diameter, film.length, film.radial_clearance
-    at_rest = 0.0, 0.0, 0.0, film.boundary_friction, -1
-    return (motion, motion + 1, *size, *at_rest, place, 0.0, 0.0, 0, 0.0, 1.0, -1, -1)
 
 
 def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:

@@ -389,7 +389,12 @@ def _active_set(
         if constraint is Constraint.CONSERVING:
             # Newton moves the border of a cavity by one cell a pass; a sweep along the flow follows
             # the liquid as far as it goes
-            _settle(balance, kind, unknown, sense * _sweeps(number, changed), UNSATURATED)
+            if number in _RESCUES:
+                sweeps = _RESCUES[number]
+            else:
+                peeling = 1 < changed < 10 and number <= 4 * _SETTLING_PASSES
+                sweeps = 1 if number <= _SETTLING_PASSES or peeling else 0
+            _settle(balance, kind, unknown, sense * sweeps, UNSATURATED)
         else:
             _settle(balance, kind, unknown, 1, PRESCRIBED)
             _settle(balance, kind, unknown, -1, PRESCRIBED)
@@ -398,14 +403,6 @@ def _active_set(
     error = norm(rhs - stencil_product(stencil, unknown, *grid_shape(balance)))
     converged = changed == 0 and error <= _ACCEPTED * norm(rhs)
     return ComplementaritySolution(*fields_of(used, unknown), used, system, number, converged)
-
-
-def _sweeps(number: int, changed: int) -> int:
-    """Sweeps after a pass: one at first, many now and then if the passes go in circles."""
-    if number in _RESCUES:
-        return _RESCUES[number]
-    peeling = 1 < changed < 10 and number <= 4 * _SETTLING_PASSES
-    return 1 if number <= _SETTLING_PASSES or peeling else 0
 
 
 def _revise(

@@ -175,7 +175,17 @@ def _draw_section(
     _fill(axes, housing_region(description), facecolor=LIGHT, edgecolor=GREY, linewidth=0.7)
     for port, colour in ports.items():
         _fill(axes, port_region(description, port), facecolor=colour, linewidth=0.0)
-        _name_port(axes, description, port, colour)
+        low, high = sorted(body.center[1] for body in description.bodies)
+        casing = description.outlines["casing"]
+        wall = _WALL * float(np.ptp(casing[:, 1]))
+        far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
+        left = port_side(description, port) < 0.0
+        within = f"port_{port}" in description.outlines
+        light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
+        far = far + 0.5 * wall if within else far
+        x, y = (-far if left else far) * _MM, 0.5 * (low + high) * _MM
+        side, ink = "left" if left != within else "right", INK if light else "white"
+        axes.text(x, y, port, ha=side, va="center", fontsize=8, color=ink)
     if description.chamber_outlines is not None:
         for region, space in zip(fluid_cells(description, shaft_angle), spaces, strict=False):
             _fill(axes, region, facecolor=space, edgecolor=space, linewidth=0.4)
@@ -241,22 +251,6 @@ def port_region(description: MachineDescription, port: str) -> Any:
 def port_side(description: MachineDescription, port: str) -> float:
     """Place of a port along x: negative on the left. [m]."""
     return float(port_region(description, port).centroid.x)
-
-
-def _name_port(
-    axes: Axes, description: MachineDescription, port: str, colour: tuple[float, ...]
-) -> None:
-    low, high = sorted(body.center[1] for body in description.bodies)
-    casing = description.outlines["casing"]
-    wall = _WALL * float(np.ptp(casing[:, 1]))
-    far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
-    left = port_side(description, port) < 0.0
-    within = f"port_{port}" in description.outlines
-    light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
-    far = far + 0.5 * wall if within else far
-    x, y = (-far if left else far) * _MM, 0.5 * (low + high) * _MM
-    side, ink = "left" if left != within else "right", INK if light else "white"
-    axes.text(x, y, port, ha=side, va="center", fontsize=8, color=ink)
 
 
 def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:

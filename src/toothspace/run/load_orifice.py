@@ -187,7 +187,8 @@ def _sized(
             tell(progress, UNKNOWN, f"load orifice, {found} with its last area")
     asked = format_si(wanted + load_pressure, "bar")
     told = _MISSED.format(found=found, asked=asked, match=100.0 * LOAD_MATCH)
-    return replace(history, status=_missed(history.status)), told
+    status = Status.NOT_REACHED if history.status is Status.DONE else history.status
+    return replace(history, status=status), told
 
 
 def _following(tried: list[tuple[float, float]]) -> float:
@@ -212,10 +213,6 @@ def _stuck(
         return False
     moved = abs(balance.pressure - before.pressure)
     return moved < _HARDLY * abs(balance.pressure - wanted)
-
-
-def _missed(status: Status) -> Status:
-    return Status.NOT_REACHED if status is Status.DONE else status
 
 
 def _held(system: System, pressure: float, plan: RunPlan, progress: Progress | None) -> History:

@@ -207,7 +207,9 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
         return {EXCHANGE: lost}
     share = shares(close)
     leakage = path_leakage(close, share)
-    density = _density(system, seen)
+    fluid, node = system.arrays.fluid, system.description.inlet_node
+    mean = float(seen.pressure[:, node].mean())
+    density = float(mixture_density(mean, fluid.feed_gas_mass_fraction, fluid))
     scale = 1.0 / (density * (times[-1] - times[0]))
     parts: dict[str, float] = {}
     for name, flows in zip((PRESSURE, DRAG), leakage, strict=True):
@@ -227,13 +229,6 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     parts[PORT_VOLUMES] = scale * float((masses[-1, held] - masses[0, held]).sum())
     parts[EXCHANGE] = lost - sum(parts.values())
     return parts
-
-
-def _density(system: System, seen: Observation) -> float:
-    """Density at the mean pressure of the inlet. [kg/m3]."""
-    fluid, node = system.arrays.fluid, system.description.inlet_node
-    mean = float(seen.pressure[:, node].mean())
-    return float(mixture_density(mean, fluid.feed_gas_mass_fraction, fluid))
 
 
 def _kept_masses(

@@ -68,6 +68,18 @@ def solution_from(
     ledger = window_ledger(history).with_trapping(close.trapped_losses())
     constants = constants_of(system, ports)
     by_pressure, by_drag = path_leakage(samples, shares(samples))
+    if not has_tooth_contacts(system.description):
+        teeth = {}
+    else:
+        contacts = bodies["contact_force"], bodies["contact_gap"]
+        force, place = tooth_forces(history.states[:, 0], *contacts, system.description)
+        teeth = {"tooth_force": force, "tooth_place": place}
+    # flow that would lose the same power from the high to the low port
+    condition = system.condition
+    span = abs(condition.inlet_pressure - condition.outlet_pressure)
+    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
+    drains = np.array([category.role == "drain" for category in system.categories])
+    flow = seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]]
     values = {
         **ports,
         **constants,
@@ -83,12 +95,12 @@ def solution_from(
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
         "leakage": (by_pressure + by_drag)[:, _leaking(system)]
         / seen.density[:, [system.description.inlet_node]],
-        "equivalent_leakage": _equivalent_leakage(system, seen),
-        "drain_flow_rate": _drain_flow_rate(system, seen),
+        "equivalent_leakage": _by_path(system, power) / (span or np.inf),
+        "drain_flow_rate": np.asarray(flow / seen.density[:, system.description.inlet_node]),
         # at the shaft, of walls that drag fluid to higher pressure
         "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
         **_dense_values(history, close),
-        **_teeth(system.description, history.states[:, 0], bodies),
+        **teeth,
         **extra,
     }
     motor = system.description.mode == "motor"
@@ -107,17 +119,6 @@ def solution_from(
         provenance=provenance,
         events=history.events,
     )
-
-
-def _teeth(
-    description: MachineDescription, angle: Array, bodies: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Contact forces by tooth and where the teeth are; empty for gears."""
-    if not has_tooth_contacts(description):
-        return {}
-    contacts = bodies["contact_force"], bodies["contact_gap"]
-    force, place = tooth_forces(angle, *contacts, description)
-    return {"tooth_force": force, "tooth_place": place}
 
 
 def _dense_values(history: History, close: Look) -> dict[str, Array]:
@@ -484,21 +485,6 @@ def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     present = history.system.description.friction_mechanisms
     torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
-
-
-def _equivalent_leakage(system: System, seen: Observation) -> Array:
-    """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
-    condition = system.condition
-    span = abs(condition.inlet_pressure - condition.outlet_pressure)
-    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    return _by_path(system, power) / (span or np.inf)
-
-
-def _drain_flow_rate(system: System, seen: Observation) -> Array:
-    """Flow from the chambers to the drain. [m3/s]."""
-    drains = np.array([category.role == "drain" for category in system.categories])
-    flow = seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]]
-    return np.asarray(flow / seen.density[:, system.description.inlet_node])
 
 
 def _by_path(system: System, values: Array) -> Array:

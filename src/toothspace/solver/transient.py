@@ -101,7 +101,13 @@ class TransientMarch:
         """States at the times; restarts at kinks of schedules and where the shaft switches."""
         parts: list[Array] = []
         begin = times[0] - (times[1] - times[0])
-        for kink in [*self._kinks(begin, times[-1]), None]:
+        schedule = self.system.condition.speed_schedule
+        circuit = self.system.condition.circuit
+        tables = [e.history for e in circuit.elements] if circuit else []
+        knots = np.unique(np.concatenate([table[:, 0] for table in (schedule, *tables)]))
+        if knots.size > _KINKS:
+            knots = np.unique(schedule[:, 0])
+        for kink in [*(float(knot) for knot in knots if begin < knot <= times[-1]), None]:
             until = times.size if kink is None else int(np.searchsorted(times, kink, "right"))
             ahead = times[sum(map(len, parts)) : until]
             if kink is not None and (ahead.size == 0 or ahead[-1] < kink):
@@ -140,15 +146,6 @@ class TransientMarch:
                 settle(self.system, state, time)
             march.restart(time, state)
         return np.vstack(parts)
-
-    def _kinks(self, begin: float, end: float) -> list[float]:
-        speed = self.system.condition.speed_schedule
-        circuit = self.system.condition.circuit
-        tables = [e.history for e in circuit.elements] if circuit else []
-        knots = np.unique(np.concatenate([table[:, 0] for table in (speed, *tables)]))
-        if knots.size > _KINKS:
-            knots = np.unique(speed[:, 0])
-        return [float(knot) for knot in knots if begin < knot <= end]
 
 
 def settle(system: System, state: Array, time: float) -> None:
@@ -273,9 +270,20 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
         ports["shaft_torque"] = np.where(states[:, 1] == 0.0, 0.0, ports["shaft_torque"])
+    shaft, place = system.condition.free_shaft, system.arrays.size.load
+    if shaft is None or shaft.coupling is None:
+        loads = {"load_torque": _load(system, times, states[:, 1])}
+    else:
+        speed, twist = states[:, place + 1], states[:, place]
+        torque = shaft.coupling.stiffness * twist + shaft.coupling.damping * (states[:, 1] - speed)
+        loads = {
+            "load_torque": _load(system, times, speed),
+            "load_speed": speed,
+            "coupling_torque": torque,
+        }
     return {
         **ports,
-        **_load_values(system, times, states),
+        **loads,
         "supply_speed": np.interp(times, *pumps[0].history.T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
         "node_pressure": seen.pressure[:, list(_nodes(system).values())],
@@ -283,20 +291,6 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         **outcome.body_values(history, seen),
         **outcome.loss_values(history, seen),
         **outcome.lateral_values(history, seen),
-    }
-
-
-def _load_values(system: System, times: Array, states: Array) -> dict[str, Array]:
-    """Torque of the load, and its speed and the torque of the coupling where it has its own."""
-    shaft, place = system.condition.free_shaft, system.arrays.size.load
-    if shaft is None or shaft.coupling is None:
-        return {"load_torque": _load(system, times, states[:, 1])}
-    speed, twist = states[:, place + 1], states[:, place]
-    torque = shaft.coupling.stiffness * twist + shaft.coupling.damping * (states[:, 1] - speed)
-    return {
-        "load_torque": _load(system, times, speed),
-        "load_speed": speed,
-        "coupling_torque": torque,
     }
 
 

@@ -207,7 +207,19 @@ class _TriedPoints:
     def _evaluate(self, shares: Array) -> list[Record]:
         rows = values_at(self.axes, shares)
         points = [point(self.case, written_values(self.axes, row)) for row in rows]
-        records = evaluate_points(points, self._counting())
+        report, done = self.context.progress, len(self.records)
+        total = self.study.evaluation_count
+        if report is None:
+            context = self.context
+        else:
+
+            def progress(_share: float, text: str) -> None:
+                best = self.best()
+                shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
+                report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
+
+            context = StudyContext(progress, self.context.workers, self.context.records)
+        records = evaluate_points(points, context)
         self.rows += rows
         self.records += records
         study = self.study
@@ -220,20 +232,6 @@ class _TriedPoints:
                 found = f"{missing[0]!r}, which is no result"
                 raise CaseError("study", found, allowed).in_file(self.case.label)
         return records
-
-    def _counting(self) -> StudyContext:
-        """Progress over the whole search instead of one batch."""
-        report, done = self.context.progress, len(self.records)
-        total = self.study.evaluation_count
-        if report is None:
-            return self.context
-
-        def progress(_share: float, text: str) -> None:
-            best = self.best()
-            shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
-            report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
-
-        return StudyContext(progress, self.context.workers, self.context.records)
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

@@ -169,7 +169,14 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
         plane = lift + about_x * (y - own.center[1]) - about_y * (x - own.center[0])
         height = np.where(body == k, np.maximum(plane, max(least, _LEAST * face.gap)), height)
     cube = (height / face.gap) ** 3
-    matrix, pressure = _solve(grid, edge, _rim_edges(face, grid.table_angle - turn), cube)
+    if face.sectors == 0:
+        rim = None
+    else:
+        phases = face.sector_phases
+        place = ((grid.table_angle - turn) - phases[0]) * phases.size / _FULL_TURN
+        sector = np.mod(np.floor(place + 0.5).astype(np.int64), phases.size)
+        rim = np.asarray(face.chambers.nodes.size + face.recesses.size + 1 + sector)
+    matrix, pressure = _solve(grid, edge, rim, cube)
     weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
     area = [w.ravel() @ pressure for w in weight]
     shear = np.where(node == FILM, face.gap / height, 0.0)
@@ -187,16 +194,6 @@ def _edge_numbers(face: FilmFace, node: IntArray, nearest: IntArray) -> IntArray
     for edge, own in reversed(list(enumerate(known))):
         number[node == own] = edge
     return number
-
-
-def _rim_edges(face: FilmFace, table_angle: Array) -> IntArray | None:
-    """Edges of the rim's sectors at table angles of shaft angle zero; None for a closed rim."""
-    if face.sectors == 0:
-        return None
-    phases = face.sector_phases
-    place = (table_angle - phases[0]) * phases.size / _FULL_TURN
-    sector = np.mod(np.floor(place + 0.5).astype(np.int64), phases.size)
-    return np.asarray(face.chambers.nodes.size + face.recesses.size + 1 + sector)
 
 
 def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tuple[Array, Array]:

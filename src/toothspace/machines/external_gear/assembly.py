@@ -126,18 +126,18 @@ def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearP
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     distance, step = 0.5 * (near + far), 0.5e-3 * (near + far)
     for _ in range(12):
-        found = [_play(teeth, distance + d) for d in (0.0, 1e-3 * step)]
+        found = []
+        for d in (0.0, 1e-3 * step):
+            mesh = _centred_mesh(teeth, distance + d)
+            left, right = (
+                meshing.smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False)
+            )
+            found.append(left + right)
         change = (backlash - found[0]) * 1e-3 * step / (found[1] - found[0])
         distance += min(max(change, -step), step)
         if abs(change) < 1e-12:
             break
     return distance
-
-
-def _play(teeth: tuple[Tooth, Tooth], distance: float) -> float:
-    mesh = _centred_mesh(teeth, distance)
-    left, right = (meshing.smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
-    return left + right
 
 
 def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:

@@ -86,25 +86,26 @@ class DesignValues:
             if name not in spec or name not in names:
                 allowed = [f"{t}.{n}" for t in tables for n in names if n in self._keys(t)]
                 raise CaseError(path, "a varied key", f"one of {', '.join(allowed)}")
-            found &= _inside(spec[name][0], values)
+            key = spec[name][0]
+            assert isinstance(key, (Integer, Number, QuantityKey))
+            unit = to_si(1.0, key.unit) if isinstance(key, QuantityKey) else 1.0
+            low = -np.inf if key.low is None else key.low * unit
+            high = np.inf if key.high is None else key.high * unit
+            slack = _ROUNDING * np.abs(values)
+            inside = np.isfinite(values) & (values >= low - slack) & (values <= high + slack)
+            found &= (
+                inside & (values == np.rint(values))
+                if isinstance(key, Integer)
+                else inside
+                if key.above is None
+                else inside & (values > key.above * unit)
+            )
         return found
 
     def _keys(self, table: str) -> Mapping[str, Any]:
         key = keys_of(type(self.machine))[table][0]
         assert isinstance(key, Table)
         return keys_of(key.spec)
-
-
-def _inside(key: Any, values: Array) -> BoolArray:
-    assert isinstance(key, (Integer, Number, QuantityKey))
-    unit = to_si(1.0, key.unit) if isinstance(key, QuantityKey) else 1.0
-    low = -np.inf if key.low is None else key.low * unit
-    high = np.inf if key.high is None else key.high * unit
-    slack = _ROUNDING * np.abs(values)
-    inside = np.isfinite(values) & (values >= low - slack) & (values <= high + slack)
-    if isinstance(key, Integer):
-        return inside & (values == np.rint(values))
-    return inside if key.above is None else inside & (values > key.above * unit)
 
 
 _LARGEST_ANGLE = 1.4

@@ -290,10 +290,25 @@ def design_checks(
     short, *opened = opening_checks(families, paths, displacement(assembly), 0.0, mesh.condition)
     if not short.passed:
         short = replace(short, reason=short.reason + sealing_edge(mesh))
+    spec = assembly.spec
+    running_in: tuple[DesignCheck, ...] = ()
+    # trapping and strength, where the machine has a condition to judge them at
+    if spec.keys.casing.wear_in is not None:
+        bearing = spec.keys.journal_bearings
+        running_in = (
+            *trapping_checks(mesh),
+            *strength_checks(
+                assembly,
+                assembly.profiles,
+                (spec.drive.material, spec.driven.material),
+                (bearing.diameter, bearing.length),
+                mesh.condition,
+            ),
+        )
     return (
         *_tooth_checks(assembly),
         casing_cut_check(assembly),
-        *_running_in_checks(assembly, mesh),
+        *running_in,
         short,
         *opened,
         *bearing_checks(journals, min(assembly.root_clearances)),
@@ -326,55 +341,37 @@ def _groove_openings(
     return grooves_by_port(moved, spaces)
 
 
-def _running_in_checks(assembly: Assembly, mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
-    """Trapping and strength, where the machine has a condition to judge them at."""
-    spec = assembly.spec
-    if spec.keys.casing.wear_in is None:
-        return ()
-    bearing = spec.keys.journal_bearings
-    return (
-        *trapping_checks(mesh),
-        *strength_checks(
-            assembly,
-            assembly.profiles,
-            (spec.drive.material, spec.driven.material),
-            (bearing.diameter, bearing.length),
-            mesh.condition,
-        ),
-    )
-
-
 def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Geometry of the teeth, given by parameters or in files."""
     if assembly.pair is not None:
         vented = assembly.spec.grooves is not None
         return pair_checks(assembly.pair, assembly.face_width, vented=vented)
     clearance = min(assembly.root_clearances)
+    data, distance = gear_data(assembly.profiles[0]), assembly.mesh.center_distance
+    of_mesh: tuple[DesignCheck, ...] = ()
+    if data is not None:
+        play = normal_play(assembly.profiles, distance)
+        grooved = assembly.spec.grooves is not None
+        of_mesh = (
+            backlash_check(play, data.module, distance),
+            DesignCheck(
+                "relief grooves",
+                float(grooved),
+                "1",
+                "grooves on both sides of the mesh",
+                grooved,
+                "Fluid enclosed between two contacts is squeezed and stretched; unless grooves "
+                "vent it, pressure peaks load the bearings and then cavitation erodes the flanks.",
+            ),
+        )
     return (
         contact_ratio_check(contact_ratio(assembly)),
         DesignCheck(
             "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
             "Bearing play moves the gears together, so the mating tip needs room in the root.",
         ),
-        *_drawn_mesh_checks(assembly),
+        *of_mesh,
         *profile_checks(assembly),
-    )  # fmt: skip
-
-
-def _drawn_mesh_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Backlash and relief of teeth from files whose module is known."""
-    data, distance = gear_data(assembly.profiles[0]), assembly.mesh.center_distance
-    if data is None:
-        return ()
-    play = normal_play(assembly.profiles, distance)
-    grooved = assembly.spec.grooves is not None
-    return (
-        backlash_check(play, data.module, distance),
-        DesignCheck(
-            "relief grooves", float(grooved), "1", "grooves on both sides of the mesh", grooved,
-            "Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
-            "it, pressure peaks load the bearings and then cavitation erodes the flanks.",
-        ),
     )  # fmt: skip
 
 
