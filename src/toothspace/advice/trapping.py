@@ -160,7 +160,21 @@ def mesh_chain(mesh: EnclosedMesh) -> MeshChain:
         area, step = section_areas(side), 2.0 * np.pi / side.angles.size
         rate = (np.roll(area, -1) - np.roll(area, 1)) / (2.0 * step)
         growth.append(mesh.gears.face_width * rate * side.angle_ratio)
-    ports = [_ports(mesh, gear) for gear in (0, 1)]
+    ports = []
+    for gear in (0, 1):
+        face, found = mesh.gears.face_width, {}
+        grooves: Mapping[str, Array] = {}
+        if mesh.grooves is not None:
+            grooves = mesh.groove_openings(mesh.grooves, mesh.spaces[gear])
+        for side_port, length in mesh.port_openings[gear].items():
+            mouth = face * length
+            conductance = orifice_conductance(mouth, 2.0 * mouth / (face + length), VISCOSITY)
+            if side_port in grooves:
+                groove, diameter = grooves[side_port].T
+                mouth = mouth + 2.0 * groove
+                conductance = conductance + 2.0 * orifice_conductance(groove, diameter, VISCOSITY)
+            found[side_port] = Opening(DISCHARGE_COEFFICIENT * mouth, conductance)
+        ports.append(found)
 
     def gathered(port: str) -> Opening:
         return _columns([ports[gear][port] for _, gear in order], rows)
@@ -185,23 +199,6 @@ def _columns(openings: list[Opening], rows: list[IntArray]) -> Opening:
         np.column_stack([opening.area[at] for opening, at in pairs]),
         np.column_stack([opening.conductance[at] for opening, at in pairs]),
     )
-
-
-def _ports(mesh: EnclosedMesh, gear: int) -> dict[str, Opening]:
-    """Mouths along the bore and grooves of both faces together, to each port."""
-    width, found = mesh.gears.face_width, {}
-    grooves: Mapping[str, Array] = {}
-    if mesh.grooves is not None:
-        grooves = mesh.groove_openings(mesh.grooves, mesh.spaces[gear])
-    for port, length in mesh.port_openings[gear].items():
-        area = width * length
-        conductance = orifice_conductance(area, 2.0 * area / (width + length), VISCOSITY)
-        if port in grooves:
-            groove, diameter = grooves[port].T
-            area = area + 2.0 * groove
-            conductance = conductance + 2.0 * orifice_conductance(groove, diameter, VISCOSITY)
-        found[port] = Opening(DISCHARGE_COEFFICIENT * area, conductance)
-    return found
 
 
 def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:

@@ -320,7 +320,29 @@ def dissect(nodes: Array, graph: scipy.sparse.csr_matrix) -> list[Separator]:
     mark = np.zeros(len(nodes), dtype=np.bool_)
 
     def divide(part: IntArray) -> int:
-        halves = _halves(part, nodes, graph, mark) if part.size > _LEAF else None
+        if part.size > _LEAF:
+            place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))
+            mark[part] = True
+            _reach(part, (graph.indptr, graph.indices), nodes, mark, reach)
+            mark[part] = False
+            found = [
+                _best_cut(axis, place[:, axis], *(end[:, axis] for end in reach))
+                for axis in range(3)
+            ]
+            best = min((cut for cut in found if cut is not None), default=None)
+            if best is None:
+                halves = None
+            else:
+                below = place[:, best.axis] < best.level
+                lowest, highest = (end[:, best.axis] for end in reach)
+                between = (
+                    below & (highest >= best.level)
+                    if best.from_below
+                    else ~below & (lowest < best.level)
+                )
+                halves = part[below & ~between], part[~below & ~between], part[between]
+        else:
+            halves = None
         if halves is None:
             tree.append(Separator(part, ()))
             return len(tree) - 1
@@ -339,24 +361,6 @@ class _Cut(NamedTuple):
     axis: int
     level: float
     from_below: bool
-
-
-def _halves(
-    part: IntArray, nodes: Array, graph: scipy.sparse.csr_matrix, mark: BoolArray
-) -> tuple[IntArray, IntArray, IntArray] | None:
-    """Two halves and the nodes of the one that touch the other; None if nothing cuts them."""
-    place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))
-    mark[part] = True
-    _reach(part, (graph.indptr, graph.indices), nodes, mark, reach)
-    mark[part] = False
-    found = [_best_cut(axis, place[:, axis], *(end[:, axis] for end in reach)) for axis in range(3)]
-    best = min((cut for cut in found if cut is not None), default=None)
-    if best is None:
-        return None
-    below = place[:, best.axis] < best.level
-    lowest, highest = (end[:, best.axis] for end in reach)
-    between = below & (highest >= best.level) if best.from_below else ~below & (lowest < best.level)
-    return part[below & ~between], part[~below & ~between], part[between]
 
 
 @njit

@@ -106,23 +106,6 @@ def _summed(strain: Array, law: Array, weight: Array) -> Array:
     return np.asarray(strain.reshape(rows).transpose(0, 2, 1) @ stress.reshape(rows))
 
 
-def _hexahedra(corners: Array, law: Array) -> Array:
-    middle, centre = _jacobians(HEX_SLOPES[8:], corners)
-    inverse, det = _jacobians(HEX_SLOPES[:8], corners)
-    # the modes vanish in the mean, so that constant strains are kept exactly
-    modes = middle @ HEX_BUBBLES[:8] * (centre / det)[..., None, None]
-    strain = np.concatenate([_strains(inverse @ HEX_SLOPES[:8]), _strains(modes)], axis=3)
-    total = _summed(strain, law, det)
-    coupling = total[:, 24:, :24]
-    inner = np.linalg.solve(total[:, 24:, 24:], coupling)
-    return np.asarray(total[:, :24, :24] - coupling.transpose(0, 2, 1) @ inner)
-
-
-def _tetrahedra(corners: Array, law: Array) -> Array:
-    inverse, det = _jacobians(TET_SLOPES, corners)
-    return _summed(_strains(inverse @ TET_SLOPES), law, det / 24.0)
-
-
 def stiffness_matrix(
     mesh: SolidMesh, elastic_modulus: float, poisson_ratio: float
 ) -> scipy.sparse.csr_matrix:
@@ -151,7 +134,19 @@ def stiffness_matrix(
     for first in range(0, len(place), _BATCH):
         some = slice(first, first + _BATCH)
         corners = mesh.nodes[mesh.elements[some]]
-        matrices = _hexahedra(corners, law) if width == 8 else _tetrahedra(corners, law)
+        if width == 8:
+            middle, centre = _jacobians(HEX_SLOPES[8:], corners)
+            inverted, volume = _jacobians(HEX_SLOPES[:8], corners)
+            # the modes vanish in the mean, so that constant strains are kept exactly
+            modes = middle @ HEX_BUBBLES[:8] * (centre / volume)[..., None, None]
+            strain = np.concatenate([_strains(inverted @ HEX_SLOPES[:8]), _strains(modes)], axis=3)
+            total = _summed(strain, law, volume)
+            coupling = total[:, 24:, :24]
+            inner = np.linalg.solve(total[:, 24:, 24:], coupling)
+            matrices = np.asarray(total[:, :24, :24] - coupling.transpose(0, 2, 1) @ inner)
+        else:
+            inverse, det = _jacobians(TET_SLOPES, corners)
+            matrices = _summed(_strains(inverse @ TET_SLOPES), law, det / 24.0)
         _sum_blocks(matrices, place[some], values)
     out = scipy.sparse.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()

@@ -202,7 +202,18 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     masses = np.repeat(nodal_masses(mesh, body.density), 3)
     mass = float(masses[::3].sum())
     center = np.asarray(masses[::3] @ mesh.nodes / mass)
-    rigid = _rigid_motions(mesh.nodes - center)
+    # unit translations and rotations, one column each
+    x, y, z = (mesh.nodes - center).T
+    zero, one = np.zeros_like(x), np.ones_like(x)
+    motions = [
+        (one, zero, zero),
+        (zero, one, zero),
+        (zero, zero, one),
+        (zero, -z, y),
+        (z, zero, -x),
+        (-y, x, zero),
+    ]
+    rigid = np.column_stack([np.column_stack(c).ravel() for c in motions])
     stiffness = stiffness_matrix(mesh, body.elastic_modulus, body.poisson_ratio)
     loads = scipy.sparse.hstack([columns.films, columns.named]).tocsc()
     if body.floating:
@@ -254,21 +265,6 @@ def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[scipy.sparse.csc_
             "are node spacings above the element size",
         )
     return (spread @ hats).tocsc(), gram
-
-
-def _rigid_motions(place: Array) -> Array:
-    """Unit translations and rotations, one column each. [-, m]."""
-    x, y, z = place.T
-    zero, one = np.zeros_like(x), np.ones_like(x)
-    columns = [
-        (one, zero, zero),
-        (zero, one, zero),
-        (zero, zero, one),
-        (zero, -z, y),
-        (z, zero, -x),
-        (-y, x, zero),
-    ]
-    return np.column_stack([np.column_stack(c).ravel() for c in columns])
 
 
 def _relieved(

@@ -118,7 +118,13 @@ def _boundary_points(
     edges: list[IntArray] = []
     start = 0
     for piece in pieces:
-        chain = _resampled(np.asarray(piece.coords)[:, :2], edge)
+        line = np.asarray(piece.coords)[:, :2]
+        out = [line[:1]]
+        for begin, last in pairwise(line):
+            parts_of = max(1, int(np.ceil(np.hypot(*(last - begin)) / edge - 1e-9)))
+            parts = np.linspace(0.0, 1.0, parts_of + 1)[1:, None]
+            out.append(begin + parts * (last - begin))
+        chain = np.vstack(out)
         count = len(chain)
         points.append(chain)
         first = np.arange(start, start + count - 1)
@@ -134,16 +140,6 @@ def _boundary_points(
     joined = np.sort(index.ravel()[np.vstack(edges).astype(np.int64)], axis=1)
     joined = np.unique(joined[joined[:, 0] != joined[:, 1]], axis=0)
     return stacked[kept], joined.astype(np.int64)
-
-
-def _resampled(chain: Array, edge: float) -> Array:
-    """Split long segments of a chain into equal parts."""
-    out = [chain[:1]]
-    for first, last in pairwise(chain):
-        count = max(1, int(np.ceil(np.hypot(*(last - first)) / edge - 1e-9)))
-        parts = np.linspace(0.0, 1.0, count + 1)[1:, None]
-        out.append(first + parts * (last - first))
-    return np.vstack(out)
 
 
 def _clear_edges(

@@ -190,6 +190,24 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
         said = f" ({_place(cut)})"
         raise error.changed(lambda one: one._replace(allowed=one.allowed + said)) from error
     teeth = cut.teeth_extent
+    if cut.second is None or cut.second_height == cut.height:
+        helix = 0.0
+    else:
+        pitch = 2.0 * np.pi / detected.tooth_count
+        center = np.array(detected.center)
+        first, second = (
+            area_phase(counter_clockwise(curve) - center, detected.tooth_count)
+            for curve in (cut.curves[0], cut.second)
+        )
+        turn = (first - second + 0.5 * pitch) % pitch - 0.5 * pitch
+        radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
+        shift = radius * abs(turn)
+        angle = float(np.arctan(radius * turn / (cut.height - cut.second_height)))
+        chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
+        if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
+            helix = 0.0
+        else:
+            helix = angle
     return FoundGear(
         file=path,
         name=cut.name,
@@ -199,7 +217,7 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
         center=frame.T @ np.array([*detected.center, cut.height]),
         face_width=None if teeth is None else teeth[1] - teeth[0],
         length=cut.extent[1] - cut.extent[0],
-        helix_angle=_helix_angle(cut, detected),
+        helix_angle=helix,
     )
 
 
@@ -210,26 +228,6 @@ def _place(cut: BodySection) -> str:
         f"section of body {cut.body} at {cut.height * 1e3:.5g} mm of its extent {low:.5g} to "
         f"{high:.5g} mm along ({along}); profile_axis and profile_plane choose another"
     )
-
-
-def _helix_angle(cut: BodySection, detected: DetectedGear) -> float:
-    # turn of the teeth between two sections
-    if cut.second is None or cut.second_height == cut.height:
-        return 0.0
-    pitch = 2.0 * np.pi / detected.tooth_count
-    center = np.array(detected.center)
-    first, second = (
-        area_phase(counter_clockwise(curve) - center, detected.tooth_count)
-        for curve in (cut.curves[0], cut.second)
-    )
-    turn = (first - second + 0.5 * pitch) % pitch - 0.5 * pitch
-    radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
-    shift = radius * abs(turn)
-    angle = float(np.arctan(radius * turn / (cut.height - cut.second_height)))
-    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
-    if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
-        return 0.0
-    return angle
 
 
 def _outermost(curves: list[Array]) -> list[Array]:

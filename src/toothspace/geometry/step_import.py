@@ -38,15 +38,6 @@ def step_bodies(path: Path) -> list[SolidBody]:
         STEP file; its own length unit is used.
     """
     silence_ocp()
-    solids = _named_solids(path)
-    if not solids:
-        raise GeometryError(path, "no body", "at least one closed body")
-    return [
-        SolidBody(name, _mesh(solid), partial(_section, str(path), solid)) for name, solid in solids
-    ]
-
-
-def _named_solids(path: Path) -> list[tuple[str, Any]]:
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.STEPCAFControl import STEPCAFControl_Reader
     from OCP.TCollection import TCollection_ExtendedString
@@ -59,11 +50,42 @@ def _named_solids(path: Path) -> list[tuple[str, Any]]:
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.Transfer(document):
         raise GeometryError(path, "a damaged STEP file", "a complete one")
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    labels, found = _label_sequence(), list[tuple[str, Any]]()
+    labels, solids = _label_sequence(), list[tuple[str, Any]]()
     shapes.GetFreeShapes(labels)
     for k in range(labels.Length()):
-        _collect(shapes, labels.Value(k + 1), None, "", found)
-    return found
+        _collect(shapes, labels.Value(k + 1), None, "", solids)
+    if not solids:
+        raise GeometryError(path, "no body", "at least one closed body")
+    meshes = []
+    for name, solid in solids:
+        from OCP.BRep import BRep_Tool
+        from OCP.BRepMesh import BRepMesh_IncrementalMesh
+        from OCP.TopLoc import TopLoc_Location
+
+        BRepMesh_IncrementalMesh(solid, _MESH_DEFLECTION, False, _MESH_ANGLE)
+        triangles = []
+        for face in _parts(solid, "Face"):
+            place = TopLoc_Location()
+            mesh = BRep_Tool.Triangulation_s(face, place)
+            if mesh is None:
+                continue
+            move = place.Transformation()
+            nodes = [mesh.Node(k + 1).Transformed(move) for k in range(mesh.NbNodes())]
+            corners = np.array([[p.X(), p.Y(), p.Z()] for p in nodes])
+            numbers = [mesh.Triangle(k + 1).Get() for k in range(mesh.NbTriangles())]
+            triangles.append(corners[np.array([tuple(row)[-3:] for row in numbers]) - 1])
+        meshes.append(
+            SolidBody(
+                name,
+                (
+                    SurfaceMesh(np.zeros((1, 3)), np.zeros((0, 3), dtype=np.int64))
+                    if not triangles
+                    else merged(np.concatenate(triangles) * _UNIT, _JOIN)
+                ),
+                partial(_section, str(path), solid),
+            )
+        )
+    return meshes
 
 
 def _collect(shapes: Any, label: Any, place: Any, name: str, found: list[tuple[str, Any]]) -> None:
@@ -104,28 +126,6 @@ def _label_sequence() -> Any:
 
         return TDF_LabelSequence()
     return Sequence_TDF_Label()
-
-
-def _mesh(solid: Any) -> SurfaceMesh:
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.TopLoc import TopLoc_Location
-
-    BRepMesh_IncrementalMesh(solid, _MESH_DEFLECTION, False, _MESH_ANGLE)
-    triangles = []
-    for face in _parts(solid, "Face"):
-        place = TopLoc_Location()
-        mesh = BRep_Tool.Triangulation_s(face, place)
-        if mesh is None:
-            continue
-        move = place.Transformation()
-        nodes = [mesh.Node(k + 1).Transformed(move) for k in range(mesh.NbNodes())]
-        corners = np.array([[p.X(), p.Y(), p.Z()] for p in nodes])
-        numbers = [mesh.Triangle(k + 1).Get() for k in range(mesh.NbTriangles())]
-        triangles.append(corners[np.array([tuple(row)[-3:] for row in numbers]) - 1])
-    if not triangles:
-        return SurfaceMesh(np.zeros((1, 3)), np.zeros((0, 3), dtype=np.int64))
-    return merged(np.concatenate(triangles) * _UNIT, _JOIN)
 
 
 def _section(file: str, solid: Any, frame: Array, height: float) -> list[Array]:

@@ -110,7 +110,26 @@ def _from_curve_file(
     high = _header(lines, r"Ende\b.*Messbereich", path)[0] * _MM
     start, end = sorted(flank.roll_length(0.5 * diameter) for diameter in (low, high))
     undefined = _header(lines, r"^UNDEFINED", path, missing=-2147483.648)[0]
-    curves = _profile_curves(lines, undefined)
+    curves: dict[tuple[int, str], Array] = {}
+    block, at = "", 0
+    while at < len(lines):
+        line = lines[at].strip()
+        at += 1
+        name, head = _TITLE.match(line), _CURVE.match(line)
+        if name:
+            block = name.group(1)
+        if head is None or not (line.startswith("Profil:") or block == "Profil"):
+            continue
+        values: list[float] = []
+        while at < len(lines) and len(values) < int(head.group(3)):
+            values += [float(token) for token in lines[at].split()]
+            at += 1
+        curve = np.array(values)
+        known = curve > undefined + 1.0
+        if known.any():
+            places = np.arange(len(curve))
+            key = int(head.group(1)), _SIDES[head.group(2)[0].lower()]
+            curves[key] = np.interp(places, places[known], curve[known])
     pitches: dict[str, dict[int, float]] = {}
     side = ""
     for line in lines:
@@ -158,27 +177,3 @@ def _header(
     if missing is not None:
         return [missing]
     raise GeometryError(path, f"no line {label!r} with a number", "a curve file")
-
-
-def _profile_curves(lines: Sequence[str], undefined: float) -> dict[tuple[int, str], Array]:
-    curves: dict[tuple[int, str], Array] = {}
-    block, at = "", 0
-    while at < len(lines):
-        line = lines[at].strip()
-        at += 1
-        title, head = _TITLE.match(line), _CURVE.match(line)
-        if title:
-            block = title.group(1)
-        if head is None or not (line.startswith("Profil:") or block == "Profil"):
-            continue
-        values: list[float] = []
-        while at < len(lines) and len(values) < int(head.group(3)):
-            values += [float(token) for token in lines[at].split()]
-            at += 1
-        curve = np.array(values)
-        known = curve > undefined + 1.0
-        if known.any():
-            places = np.arange(len(curve))
-            key = int(head.group(1)), _SIDES[head.group(2)[0].lower()]
-            curves[key] = np.interp(places, places[known], curve[known])
-    return curves

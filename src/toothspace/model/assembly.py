@@ -198,7 +198,16 @@ def assemble(
     bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush, blocks)
     counts = {"motions": motion_map.shape[1], "journals": len(journals.rows), **contacts.counts}
-    dynamic = _dynamic_index(description, condition)
+    chambers = description.chamber_count
+    node_place = node_places(description, condition)
+    dynamic = np.full(chambers + len(node_place), -1, dtype=np.int64)
+    dynamic[:chambers] = np.arange(chambers)
+    nodes = condition.circuit.nodes if condition.circuit else ()
+    filled = [node.name for node in nodes if node.volume > 0.0]
+    if condition.load_area > 0.0:
+        filled.append(condition.load_node)
+    for k, place in enumerate(sorted({node_place[name] for name in filled})):
+        dynamic[place] = chambers + k
     sizes = _sizes(description, condition, paths, dynamic, counts)
     tables_over_time = Tables()
     elements = (condition.circuit or CircuitNetwork()).rows(places, LAWS, tables_over_time)
@@ -321,20 +330,6 @@ def _chamber_tables(
         return tables
     load = load_table(description, family, loads)
     return [stack_tables(table, load) for table in tables]
-
-
-def _dynamic_index(description: MachineDescription, condition: OperatingCondition) -> IntArray:
-    chambers = description.chamber_count
-    places = node_places(description, condition)
-    dynamic = np.full(chambers + len(places), -1, dtype=np.int64)
-    dynamic[:chambers] = np.arange(chambers)
-    nodes = condition.circuit.nodes if condition.circuit else ()
-    filled = [node.name for node in nodes if node.volume > 0.0]
-    if condition.load_area > 0.0:
-        filled.append(condition.load_node)
-    for k, place in enumerate(sorted({places[name] for name in filled})):
-        dynamic[place] = chambers + k
-    return dynamic
 
 
 def node_places(description: MachineDescription, condition: OperatingCondition) -> dict[str, int]:

@@ -325,26 +325,6 @@ class GasModel:
         return allowed[self.law]
 
 
-def _viscosity_pair(
-    table: Mapping[str, Any], temperature: float, state: Any
-) -> tuple[float, float]:
-    """Dynamic viscosity at zero pressure and its Barus coefficient."""
-    density, a, b = state
-    shift = table["walther_shift_cSt"]
-    if "points_cSt" in table:
-        kelvin = tuple(t + ZERO_CELSIUS for t in table["points_degC"])
-        viscosities = tuple(1e-6 * nu for nu in table["points_cSt"])
-        constants = walther_constants(kelvin, viscosities, shift)
-    else:
-        constants = (table["walther_intercept"], table["walther_slope"])
-    kinematic = float(walther_viscosity(temperature, *constants, shift))
-    # The density's share is the mean over 0 to 200 bar, where pumps work.
-    p = 2e7
-    alpha = table["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
-    at_zero = kinematic * density * np.exp(-alpha * table["reference_pressure"])
-    return float(at_zero), float(alpha)
-
-
 def _linear(table: Mapping[str, Any], temperature: float) -> float:
     return float(table["at_20_degC"] + table["per_kelvin"] * (temperature - 20.0 - ZERO_CELSIUS))
 
@@ -371,8 +351,21 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     modulus = _linear(table["bulk_modulus"], temperature)
     slope = table["bulk_modulus"]["per_pressure"]
     a = 1.0 / modulus
-    state = (density, a, 0.5 * a * (slope - 1.0))
-    viscosity, barus = _viscosity_pair(table["viscosity"], temperature, state)
+    b = 0.5 * a * (slope - 1.0)
+    curve = table["viscosity"]
+    shift = curve["walther_shift_cSt"]
+    if "points_cSt" in curve:
+        kelvin = tuple(t + ZERO_CELSIUS for t in curve["points_degC"])
+        viscosities = tuple(1e-6 * nu for nu in curve["points_cSt"])
+        constants = walther_constants(kelvin, viscosities, shift)
+    else:
+        constants = (curve["walther_intercept"], curve["walther_slope"])
+    kinematic = float(walther_viscosity(temperature, *constants, shift))
+    # dynamic viscosity at zero pressure, and its Barus coefficient: the density's share is the mean over 0 to 200 bar, where pumps work.
+    p = 2e7
+    alpha = curve["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
+    at_zero = kinematic * density * np.exp(-alpha * curve["reference_pressure"])
+    viscosity, barus = float(at_zero), float(alpha)
     vapour = table["vapour"]
     known = vapour["pressure"], vapour["at_degC"] + ZERO_CELSIUS
     boiling = clausius_clapeyron_pressure(temperature, *known, vapour["evaporation_temperature"])

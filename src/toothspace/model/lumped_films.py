@@ -51,7 +51,14 @@ def journal_data(
     """Collect the data of the bearings whose bodies are free to move, then of moving blocks."""
     carried = [j for j in description.journals if j.body in bush]
     journals = [*carried, *((blocks.film,) if blocks else ())]
-    maps, places = _film_maps(journals)
+    shapes: dict[Any, JournalMap] = {}
+    for journal in journals:
+        shape = _journal_map(_slenderness(journal))
+        if journal.solved is not None:
+            shape = shape._replace(nodes=journal.solved.force_nodes)
+        shapes[_map_key(journal)] = shape
+    places = [list(shapes).index(_map_key(journal)) for journal in journals]
+    maps = list(shapes.values()) or [_journal_map(1.0)]
     bodies = {body.name: body for body in description.bodies}
     turning = ((place, description.motions[k]) for place, k in enumerate(free))
     rotations = {motion.body: place for place, motion in turning if motion.axis == "rotation"}
@@ -114,18 +121,6 @@ def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:
     for block, one in zip(curves, rows, strict=True):
         block[: len(one)] = one
     return curves
-
-
-def _film_maps(journals: list[LumpedJournalBearing]) -> tuple[list[JournalMap], list[int]]:
-    """Different film maps, and which of them each bearing uses."""
-    maps: dict[Any, JournalMap] = {}
-    for journal in journals:
-        shape = _journal_map(_slenderness(journal))
-        if journal.solved is not None:
-            shape = shape._replace(nodes=journal.solved.force_nodes)
-        maps[_map_key(journal)] = shape
-    places = [list(maps).index(_map_key(journal)) for journal in journals]
-    return list(maps.values()) or [_journal_map(1.0)], places
 
 
 @lru_cache(maxsize=8)

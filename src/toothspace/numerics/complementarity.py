@@ -372,7 +372,14 @@ def _active_set(
     systems = PassSystems(balance)
     unknown = np.zeros(kind.size)
     for number in range(1, max_passes + 1):
-        _close_rings(balance, kind, number)
+        if balance.ring:
+            lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
+            if lanes.size != 0:
+                if number > _RING_CLOSURES:
+                    lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
+                # there the ring passes on least, so there it fills first
+                narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
+                kind[narrowest, lanes] = SATURATED
         stencil, rhs = assemble(balance, kind)
         system = systems.system(stencil, kind)
         used = kind.copy()
@@ -439,24 +446,6 @@ _COARSE_SWEEPS = 1
 
 _RING_CLOSURES = 8
 """Passes in which rings that gain or lose volume are closed."""
-
-
-def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
-    """Saturate the narrowest cell of every lane that is unsaturated all the way round.
-
-    Such a lane passes on whatever it holds and its saturation is undetermined; any inflow
-    fills it up to where it passes least. Storage determines it, if slowly.
-    """
-    if not balance.ring:
-        return
-    lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
-    if lanes.size == 0:
-        return
-    if number > _RING_CLOSURES:
-        lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
-    # there the ring passes on least, so there it fills first
-    narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
-    kind[narrowest, lanes] = SATURATED
 
 
 def potential_scale(balance: CellBalance) -> float:

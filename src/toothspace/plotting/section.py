@@ -189,7 +189,29 @@ def _draw_section(
     if description.chamber_outlines is not None:
         for region, space in zip(fluid_cells(description, shaft_angle), spaces, strict=False):
             _fill(axes, region, facecolor=space, edgecolor=space, linewidth=0.4)
-    _draw_bodies(axes, description, shaft_angle)
+    for body in description.bodies:
+        solid = turned_section(description, body, shaft_angle)
+        _fill(axes, solid, facecolor=METAL, edgecolor=INK, linewidth=0.6)
+        journal = next((j for j in description.journals if j.body == body.name), None)
+        if journal is not None:
+            turn = np.linspace(0.0, 2.0 * np.pi, 181)
+            circle = 0.5 * journal.diameter * np.array([np.cos(turn), np.sin(turn)])
+            center = np.asarray(body.center)[:, None]
+            axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
+        mark = _MM * np.asarray(body.center)
+        axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
+        # arc with an arrow head in the sense of rotation
+        radius, half = 0.3 * _MM * _tip_radius(description, 0), 70.0
+        if solid.interiors:  # in the rim of a ring
+            hole = _MM * np.asarray(solid.interiors[0].coords) - mark
+            rim = _MM * np.hypot(*description.outlines[body.name].T).max()
+            radius, half = 0.5 * float(np.hypot(*hole.T).max() + rim), 20.0
+        turn = np.radians(90.0 + np.linspace(-half, half, 40))
+        turn = turn if body.speed_ratio > 0.0 else np.pi - turn
+        arc = mark[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
+        axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
+        arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=arrow)
     _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
     for outline in recess_outlines(description).values():
         axes.plot(*(_MM * outline.T), color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
@@ -251,32 +273,6 @@ def port_region(description: MachineDescription, port: str) -> Any:
 def port_side(description: MachineDescription, port: str) -> float:
     """Place of a port along x: negative on the left. [m]."""
     return float(port_region(description, port).centroid.x)
-
-
-def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
-    for body in description.bodies:
-        solid = turned_section(description, body, shaft_angle)
-        _fill(axes, solid, facecolor=METAL, edgecolor=INK, linewidth=0.6)
-        journal = next((j for j in description.journals if j.body == body.name), None)
-        if journal is not None:
-            turn = np.linspace(0.0, 2.0 * np.pi, 181)
-            circle = 0.5 * journal.diameter * np.array([np.cos(turn), np.sin(turn)])
-            center = np.asarray(body.center)[:, None]
-            axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
-        mark = _MM * np.asarray(body.center)
-        axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
-        # arc with an arrow head in the sense of rotation
-        radius, half = 0.3 * _MM * _tip_radius(description, 0), 70.0
-        if solid.interiors:  # in the rim of a ring
-            hole = _MM * np.asarray(solid.interiors[0].coords) - mark
-            rim = _MM * np.hypot(*description.outlines[body.name].T).max()
-            radius, half = 0.5 * float(np.hypot(*hole.T).max() + rim), 20.0
-        turn = np.radians(90.0 + np.linspace(-half, half, 40))
-        turn = turn if body.speed_ratio > 0.0 else np.pi - turn
-        arc = mark[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
-        axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
-        arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=arrow)
 
 
 def _fill(axes: Axes, region: Any, **style: Any) -> None:

@@ -88,7 +88,18 @@ class HeatSearch:
         if case.heat.model == "adiabatic" or found.status is not Status.DONE:
             self._heat = None
             return True
-        _, temperature = self._heat = _temperatures(case, self._description, found)
+        heat, ledger = case.heat, found.ledger
+        flows = HeatFlows(
+            shaft_speed=ledger.shaft_angle / ledger.duration,
+            losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
+            through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
+            drain_flow=drain_flow(found.data, ledger),
+        )
+        liquid, supply = liquid_of(case), fluid_temperature(case)
+        network = heat_network(self._description, liquid, supply, flows, heat)
+        time = heat.running_time
+        temperature = network.steady() if time is None else network.after(time)
+        self._heat = network, temperature
         if case.heat.model != "coupled":
             return True
         reached, supply = np.array(list(temperature.values())), fluid_temperature(case)
@@ -136,24 +147,6 @@ def _sheared_share(case: Case, reached: float, highest: float) -> float:
 
     most = min(1.0, (highest - supply) / max(reached - supply, _AGREED))
     return most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
-
-
-def _temperatures(
-    case: Case, description: MachineDescription, solution: Solution
-) -> tuple[HeatNetwork, dict[str, float]]:
-    """Network at the mean powers and flows of a solution, and its temperatures. [K]."""
-    heat, ledger = case.heat, solution.ledger
-    flows = HeatFlows(
-        shaft_speed=ledger.shaft_angle / ledger.duration,
-        losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
-        through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
-        drain_flow=drain_flow(solution.data, ledger),
-    )
-    liquid, supply = liquid_of(case), fluid_temperature(case)
-    network = heat_network(description, liquid, supply, flows, heat)
-    if heat.running_time is None:
-        return network, network.steady()
-    return network, network.after(heat.running_time)
 
 
 def _warmed(

@@ -214,7 +214,20 @@ def window_ledger(history: History) -> Ledger:
     valves = entries.pop("circuit") + entries.pop(CIRCUIT_ORIFICE.account, 0.0)
     beyond = 0.0 if system.condition.over_time else valves
     motor = system.description.mode == "motor"
-    mass, energy = _held(system, change)
+    arrays = system.arrays
+    sums: tuple[dict[str, float], ...] = tuple(
+        dict.fromkeys(("inlet", "outlet", "drain"), 0.0) for _ in range(2)
+    )
+    for name, place in node_places(system.description, system.condition).items():
+        if arrays.dynamic_index[place] >= 0:
+            continue
+        gained, gas = change[arrays.balance[place]]
+        pressure, share = arrays.node[place, [col.PRESSURE, col.GAS]]
+        of_liquid, of_gas = partial_enthalpies(pressure, share, arrays.fluid)
+        port = _SIDES.get(name) or ("outlet" if gained > 0.0 else "inlet")
+        sums[0][port] += float(gained)
+        sums[1][port] += float((gained - gas) * of_liquid + gas * of_gas)
+    mass, energy = sums[0], sums[1]
     entries |= {
         "mass_inlet": -mass["inlet"],
         "mass_outlet": mass["outlet"],
@@ -238,24 +251,6 @@ def window_ledger(history: History) -> Ledger:
         float(last[0] - first[0]),
         {c.account: c.account_label for c in system.description.path_categories},
     )
-
-
-def _held(system: System, change: Array) -> tuple[dict[str, float], dict[str, float]]:
-    """Mass [kg] and energy [J] that flowed into nodes of held pressure, by port."""
-    arrays = system.arrays
-    sums: tuple[dict[str, float], ...] = tuple(
-        dict.fromkeys(("inlet", "outlet", "drain"), 0.0) for _ in range(2)
-    )
-    for name, place in node_places(system.description, system.condition).items():
-        if arrays.dynamic_index[place] >= 0:
-            continue
-        mass, gas = change[arrays.balance[place]]
-        pressure, share = arrays.node[place, [col.PRESSURE, col.GAS]]
-        of_liquid, of_gas = partial_enthalpies(pressure, share, arrays.fluid)
-        port = _SIDES.get(name) or ("outlet" if mass > 0.0 else "inlet")
-        sums[0][port] += float(mass)
-        sums[1][port] += float((mass - gas) * of_liquid + gas * of_gas)
-    return sums[0], sums[1]
 
 
 def stored_mass(system: System, state: Array) -> float:

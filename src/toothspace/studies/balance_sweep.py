@@ -177,10 +177,25 @@ def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyR
         rows.append((mu, ratio, ratio * plane, float(areas[i, j]), *kept, *map(float, gaps)))
     points = [f"gap_{k + 1}_um" for k in range(loops.shape[-1])]
     head = ("friction_coefficient", "balance_ratio", "balanced_area_mm2", "loop_area_um_bar")
+    every = _claimed(study, loops).all(axis=0)
+    areas_ratio = np.asarray(study.balance_ratio)
+    windows = [areas_ratio[held].tolist() for held in np.atleast_2d(every)]
     return StudyResult(
         status=Status.POINTS_FAILED if any(one.unsettled for one in tables) else Status.DONE,
         data=_dataset(study, tables, loops),
-        numbers=_numbers(study, tables, loops),
+        numbers={
+            "plane_area_mm2": tables[-1].plane_area * 1e6,
+            "reference_area_mm2": _reference(tables, study) * 1e6,
+            "friction_coefficient": list(study.friction_coefficient),
+            "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
+            "highest_ratio_all_claims": [max(w) if w else None for w in windows],
+            "ratios_with_all_claims": windows,
+            "unsettled": {
+                f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
+                for one in tables
+                if one.unsettled
+            },
+        },
         tables=(StudyTable("ratios", (*head, *CLAIMS, *points), tuple(rows)),),
     )
 
@@ -389,25 +404,6 @@ def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
         "claim": list(CLAIMS),
     }
     return xr.Dataset(data, coords=coords, attrs={"lifted_gap_um": study.lifted_gap * 1e6})
-
-
-def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> dict[str, Any]:
-    every = _claimed(study, loops).all(axis=0)
-    ratio = np.asarray(study.balance_ratio)
-    windows = [ratio[held].tolist() for held in np.atleast_2d(every)]
-    return {
-        "plane_area_mm2": tables[-1].plane_area * 1e6,
-        "reference_area_mm2": _reference(tables, study) * 1e6,
-        "friction_coefficient": list(study.friction_coefficient),
-        "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
-        "highest_ratio_all_claims": [max(w) if w else None for w in windows],
-        "ratios_with_all_claims": windows,
-        "unsettled": {
-            f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
-            for one in tables
-            if one.unsettled
-        },
-    }
 
 
 def figures(data: xr.Dataset) -> list[StudyFigure]:

@@ -102,10 +102,30 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         "blocked pressure ripple (bar)": columns_of["blocked_pressure"] / _BAR,
         "misfit (%)": 100.0 * columns_of["misfit"],
     }
+
+    def rms(name: str) -> float:
+        return float(np.sqrt(0.5 * np.sum(np.asarray(data[name]) ** 2)))
+
+    def listed(name: str, factor: float = 1.0) -> list[float]:
+        return (np.asarray(data[name]) * factor).tolist()
+
     return StudyResult(
         status=status_of(records),
         data=data,
-        numbers=_numbers(data),
+        numbers={
+            "source_flow_rms_L_per_min": rms("source_flow") * _LITRE_PER_MINUTE,
+            "anechoic_pressure_rms_bar": rms("anechoic_pressure") / _BAR,
+            "blocked_pressure_rms_bar": rms("blocked_pressure") / _BAR,
+            "largest_misfit_percent": 100.0 * float(np.max(data["misfit"])),
+            "frequency_Hz": listed("frequency"),
+            "source_flow_L_per_min": listed("source_flow", _LITRE_PER_MINUTE),
+            "source_impedance_N_s_per_m5": listed("source_impedance"),
+            "source_impedance_phase_deg": listed("source_impedance_phase", 180.0 / np.pi),
+            "anechoic_pressure_bar": listed("anechoic_pressure", 1.0 / _BAR),
+            "blocked_pressure_bar": listed("blocked_pressure", 1.0 / _BAR),
+            "line_length_m": listed("line_length"),
+            "pressure_ripple_bar": listed("pressure_ripple", 1.0 / _BAR),
+        },
         tables=(
             StudyTable.of("source", {head: column.tolist() for head, column in columns.items()}),
         ),
@@ -193,29 +213,6 @@ def _dataset(
         },
         coords={"harmonic": harmonic},
     )
-
-
-def _numbers(data: xr.Dataset) -> dict[str, Any]:
-    def rms(name: str) -> float:
-        return float(np.sqrt(0.5 * np.sum(np.asarray(data[name]) ** 2)))
-
-    def listed(name: str, factor: float = 1.0) -> list[float]:
-        return (np.asarray(data[name]) * factor).tolist()
-
-    return {
-        "source_flow_rms_L_per_min": rms("source_flow") * _LITRE_PER_MINUTE,
-        "anechoic_pressure_rms_bar": rms("anechoic_pressure") / _BAR,
-        "blocked_pressure_rms_bar": rms("blocked_pressure") / _BAR,
-        "largest_misfit_percent": 100.0 * float(np.max(data["misfit"])),
-        "frequency_Hz": listed("frequency"),
-        "source_flow_L_per_min": listed("source_flow", _LITRE_PER_MINUTE),
-        "source_impedance_N_s_per_m5": listed("source_impedance"),
-        "source_impedance_phase_deg": listed("source_impedance_phase", 180.0 / np.pi),
-        "anechoic_pressure_bar": listed("anechoic_pressure", 1.0 / _BAR),
-        "blocked_pressure_bar": listed("blocked_pressure", 1.0 / _BAR),
-        "line_length_m": listed("line_length"),
-        "pressure_ripple_bar": listed("pressure_ripple", 1.0 / _BAR),
-    }
 
 
 _BAR = 1e5

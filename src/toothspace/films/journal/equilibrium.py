@@ -66,13 +66,8 @@ def find_equilibrium(
     place = film.eccentricity
     place = place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9))
     film = _sunk(bearing, load, _solve_at(bearing, place, speed))
-    return film if film.status.succeeded else _separated(bearing, load, film)
-
-
-def _separated(
-    bearing: JournalDefinition, load: Array, film: JournalBearingSolution
-) -> JournalBearingSolution:
-    """Say so where the load is more than the liquid carries before its pressure runs away."""
+    if film.status.succeeded:
+        return film
     missing = film.force + load
     room = 1.0 - closeness(film.eccentricity, bearing)
     if bearing.pressure_viscosity == 0.0 or room <= 0.0:
@@ -147,7 +142,7 @@ def _newton(
         if np.linalg.cond(slope) > _SINGULAR:
             step: Array = _LONGEST_STEP * load / np.hypot(*load)
         else:
-            step = np.linalg.solve(slope, error)
+            step = np.linalg.solve(slope, error).astype(np.float64)
             step *= min(1.0, _LONGEST_STEP / max(float(np.hypot(*step)), 1e-300))
         film = _damped_step(bearing, load, film, step)
     return replace(film, status=Status.NOT_CONVERGED)

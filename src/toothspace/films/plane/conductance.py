@@ -161,7 +161,11 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
     face, (x, y) = grid.face, grid.points
     shaft_angle = turn / face.chambers.angle_ratio
     node, body = face.face_map(shaft_angle, x, y)
-    edge = _edge_numbers(face, node, face.chambers.nearest(shaft_angle, x, y))
+    # edge of every cell: chambers, recesses, inner rim; FILM in the film
+    edge = np.where(node == FILM, FILM, face.chambers.nearest(shaft_angle, x, y))
+    known = [*face.chambers.nodes.tolist(), *face.recesses.tolist(), face.inner_node]
+    for number, own in reversed(list(enumerate(known))):
+        edge[node == own] = number
     # height of the film before every cell, the gap of the face where no body stands. [m]
     least = face.surfaces.roughness if face.surfaces is not None else 0.0
     height = np.full(x.shape, face.gap)
@@ -185,15 +189,6 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
         for w, b in zip(weight, face.bodies, strict=True)
     ]
     return matrix, np.array(area), np.array(drag)
-
-
-def _edge_numbers(face: FilmFace, node: IntArray, nearest: IntArray) -> IntArray:
-    """Edge of every cell: chambers, recesses, inner rim; FILM in the film."""
-    number = np.where(node == FILM, FILM, nearest)
-    known = [*face.chambers.nodes.tolist(), *face.recesses.tolist(), face.inner_node]
-    for edge, own in reversed(list(enumerate(known))):
-        number[node == own] = edge
-    return number
 
 
 def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tuple[Array, Array]:
@@ -316,25 +311,21 @@ class _Paths:
                 self._resting((f"lateral_recesses_{j}_{k}", LATERAL), self.recesses[j], recess)
                 for j in range(k)
             ]
-        return [*found, *self._to_rim()]
-
-    def _to_rim(self) -> list[FlowPath]:
-        """From chambers and recesses to the rim, one path for each sector of a pitch."""
-        found = []
+        joined = []
         per_pitch, first = self.face.sectors, self.rim.chamber
         edges = self.inner.number[0] + 1
         phases = self.face.sector_phases
         for j in range(-per_pitch, 2 * per_pitch):
             sector = np.mod(np.arange(self.count) * per_pitch + j, phases.size)
             rim = _Edges(edges + sector, self.inner.node if self.rim.open_ends else first + sector)
-            found.append(self._turning((f"rim_{j}", RIM), self.chambers, rim))
+            joined.append(self._turning((f"rim_{j}", RIM), self.chambers, rim))
             if 0 <= j < per_pitch:
-                found += [
+                joined += [
                     self._turning((f"rim_{j}_recess_{k}", RIM), rim, recess, phases[sector])
                     for k, recess in enumerate(self.recesses)
                 ]
-        largest = max(_shape(path).max() for path in found)
-        return [path for path in found if _shape(path).max() > _LEAST_FLOW * largest]
+        largest = max(_shape(path).max() for path in joined)
+        return [*found, *[path for path in joined if _shape(path).max() > _LEAST_FLOW * largest]]
 
     def _same(self, number: int, node: int) -> _Edges:
         return _Edges(np.full(self.count, number), np.full(self.count, node))

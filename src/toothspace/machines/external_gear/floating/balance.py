@@ -333,14 +333,23 @@ class ElasticAssembly:
         made = {}
         for p in self._parts():
             own, moves = self._block, self._block.is_floating(p.side)
+            back = None
+            if moves:
+                # high-pressure area with its seal, nose and springs
+                high = self._on(p, self.high_pressure)
+                nose = self._on(p, nose_outline(own))
+                areas = {"high": high} if high.area > 0.0 else {}
+                lines = {}
+                if own.keys.seal_preload > 0.0:
+                    lines["seal"] = seal_line(high, bearing_section(self.assembly, p.half))
+                points = {
+                    f"spring_{k}": (own.keys.springs[k].x, own.keys.springs[k].y)
+                    for k in self._springs_on(p)
+                }
+                patches = {"nose": nose.difference(self.high_pressure)} if nose.area > 0.0 else {}
+                back = BackLoads(areas=areas, points=points, lines=lines, patches=patches)
             body = bearing_body(
-                self.assembly,
-                own.material,
-                own.length,
-                p.side,
-                self._back(p) if moves else None,
-                self.size,
-                p.half,
+                self.assembly, own.material, own.length, p.side, back, self.size, p.half
             )
             made[p.name] = self._from_file(
                 p.side, replace(body, supports=()) if moves else body, p.half
@@ -384,21 +393,6 @@ class ElasticAssembly:
                 own = bearing_section(self.assembly, k).area
                 found.append(_BlockPart(name, side, k, float(own / area)))
         return found
-
-    def _back(self, part: _BlockPart) -> BackLoads:
-        """High-pressure area with its seal, nose and springs."""
-        own, high = self._block, self._on(part, self.high_pressure)
-        nose = self._on(part, nose_outline(own))
-        areas = {"high": high} if high.area > 0.0 else {}
-        lines = {}
-        if own.keys.seal_preload > 0.0:
-            lines["seal"] = seal_line(high, bearing_section(self.assembly, part.half))
-        points = {
-            f"spring_{k}": (own.keys.springs[k].x, own.keys.springs[k].y)
-            for k in self._springs_on(part)
-        }
-        patches = {"nose": nose.difference(self.high_pressure)} if nose.area > 0.0 else {}
-        return BackLoads(areas=areas, points=points, lines=lines, patches=patches)
 
     def _on(self, part: _BlockPart, shape: shapely.Geometry) -> shapely.Geometry:
         """Part of a shape that is on a bearing or half."""
