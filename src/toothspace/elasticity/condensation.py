@@ -68,7 +68,12 @@ def flexibility(
         report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
         # own entries, then what the children left; their memory is a stack, the last one on top
         front = work.front(part)
-        _assemble(part, (stiffness, rows), place, front)
+        place[part.own] = np.arange(part.own.size)
+        place[part.outer] = part.own.size + np.arange(part.outer.size)
+        pattern = (stiffness.indptr, stiffness.indices, stiffness.data)
+        _gather(part.own, pattern, place, front.inner, front.below)
+        mine = rows[_unknowns(part.own)].tocoo()
+        front.loads[np.searchsorted(part.columns, mine.col), mine.row] = mine.data
         for child in reversed(part.children):
             matrix, passed = work.pop(parts[child])
             rows_of = _unknowns(place[parts[child].outer])
@@ -187,22 +192,6 @@ def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Arr
         out.append(memory[start:stop].reshape((rows, columns), order="F"))
         start = stop
     return out
-
-
-def _assemble(
-    part: _EliminationPart,
-    system: tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix],
-    place: IntArray,
-    front: _Front,
-) -> None:
-    """Stiffness and loads of the nodes that are eliminated."""
-    stiffness, loads = system
-    place[part.own] = np.arange(part.own.size)
-    place[part.outer] = part.own.size + np.arange(part.outer.size)
-    pattern = (stiffness.indptr, stiffness.indices, stiffness.data)
-    _gather(part.own, pattern, place, front.inner, front.below)
-    mine = loads[_unknowns(part.own)].tocoo()
-    front.loads[np.searchsorted(part.columns, mine.col), mine.row] = mine.data
 
 
 @njit

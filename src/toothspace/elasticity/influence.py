@@ -156,9 +156,18 @@ def influence_matrix(
     """
     name = f"{body.hash()}-{'estimated' if estimate_error else 'plain'}"
     name += f"-{scale:.4f}" if scale != 1.0 else ""
-    found = _stored(name, body) if cache else None
-    if found is not None:
-        return found
+    stored = load_arrays(_path(name)) if cache else None
+    if stored is not None:
+        names = [entry.name for entry in body.loads]
+        return InfluenceMatrix(
+            body=body,
+            **{key: stored[key] for key in _ARRAYS},
+            load_cases=dict(zip(names, stored["load_cases"], strict=True)),
+            resultants=dict(zip(names, stored["resultants"], strict=True)),
+            mass=float(stored["mass"]),
+            element_count=int(stored["element_count"]),
+            error_estimate=float(stored["error_estimate"]),
+        )
     report_share(
         UNKNOWN, f"elastic body ({', '.join(film.name for film in body.films)}), kept for later"
     )
@@ -354,20 +363,3 @@ def matrix_folder() -> Path:
 
 def _path(name: str) -> Path:
     return matrix_folder() / f"{name}-{_sources()}.npz"
-
-
-def _stored(name: str, body: ElasticBody) -> InfluenceMatrix | None:
-    """Stored matrix of a body, or None."""
-    stored = load_arrays(_path(name))
-    if stored is None:
-        return None
-    names = [entry.name for entry in body.loads]
-    return InfluenceMatrix(
-        body=body,
-        **{key: stored[key] for key in _ARRAYS},
-        load_cases=dict(zip(names, stored["load_cases"], strict=True)),
-        resultants=dict(zip(names, stored["resultants"], strict=True)),
-        mass=float(stored["mass"]),
-        element_count=int(stored["element_count"]),
-        error_estimate=float(stored["error_estimate"]),
-    )

@@ -72,7 +72,21 @@ def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoint
     corners = mesh.nodes[faces]
     quads = faces.shape[1] == 4
     rule = _quad if quads else _tri
-    points, weights = _quad_rule(order) if quads else _tri_rule(order - 1)
+    if quads:
+        along, size = np.polynomial.legendre.leggauss(order)
+        points = np.array([(s, t) for t in along for s in along])
+        weights = np.outer(size, size).ravel()
+    else:
+        # three points in each of the equal parts of a triangle
+        parts = order - 1
+        steps = range(parts)
+        upward = [(i, j, 1.0) for i in steps for j in steps if i + j < parts]
+        downward = [(i + 1, j + 1, -1.0) for i in steps for j in steps if i + j < parts - 1]
+        thirds = [
+            (np.array([i, j]) + sign * _TRI_POINTS) / parts for i, j, sign in upward + downward
+        ]
+        points = np.vstack(thirds)
+        weights = np.full(len(points), 0.5 / len(points))
     place, push, shape = [], [], []
     for point, weight in zip(points, weights, strict=True):
         values, slopes = rule(point)
@@ -83,22 +97,6 @@ def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoint
     return FacePoints(
         np.vstack(place), np.vstack(push), np.tile(faces, (len(points), 1)), np.vstack(shape)
     )
-
-
-def _quad_rule(order: int) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(order)
-    points = np.array([(s, t) for t in nodes for s in nodes])
-    return points, np.outer(weights, weights).ravel()
-
-
-def _tri_rule(parts: int) -> tuple[Array, Array]:
-    """Three points in each of the equal parts of a triangle."""
-    steps = range(parts)
-    upward = [(i, j, 1.0) for i in steps for j in steps if i + j < parts]
-    downward = [(i + 1, j + 1, -1.0) for i in steps for j in steps if i + j < parts - 1]
-    points = [(np.array([i, j]) + sign * _TRI_POINTS) / parts for i, j, sign in upward + downward]
-    stacked = np.vstack(points)
-    return stacked, np.full(len(stacked), 0.5 / len(stacked))
 
 
 @final

@@ -269,30 +269,25 @@ def lateral_problem(
         shaft_speed,
     )
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
-    loads = Loads(back, *_frictions(description, balance, data, high - low))
-    return LateralProblem(stack, snapshots, loads, pressures, settings)
-
-
-def _frictions(
-    description: MachineDescription, balance: LateralBalance, data: xr.Dataset, difference: float
-) -> tuple[HousingFriction, tuple[HousingFriction, ...]]:
-    """Housing friction of the floating bearing, and of its parts beside every body."""
+    difference = high - low
     # two blocks share the force of every shaft
     shafts = -0.5 * data["journal_force"].values.mean(axis=0)[:, :2]
     toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
     whole = balance.floating.housing
     if not balance.halves:
         normal = normal_force(whole, difference, shafts.sum(axis=0) * toward_low)
-        return housing_friction(whole, normal), ()
-    normals = [
-        normal_force(half.housing, difference, shaft * toward_low)
-        for half, shaft in zip(balance.halves, shafts, strict=True)
-    ]
-    parts = tuple(
-        housing_friction(half.housing, normal)
-        for half, normal in zip(balance.halves, normals, strict=True)
-    )
-    return housing_friction(whole, sum(normals)), parts
+        loads = Loads(back, housing_friction(whole, normal))
+    else:
+        normals = [
+            normal_force(half.housing, difference, shaft * toward_low)
+            for half, shaft in zip(balance.halves, shafts, strict=True)
+        ]
+        parts = tuple(
+            housing_friction(half.housing, normal)
+            for half, normal in zip(balance.halves, normals, strict=True)
+        )
+        loads = Loads(back, housing_friction(whole, sum(normals)), parts)
+    return LateralProblem(stack, snapshots, loads, pressures, settings)
 
 
 def balance_of(description: MachineDescription) -> LateralBalance:

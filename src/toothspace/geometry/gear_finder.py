@@ -101,11 +101,19 @@ def find_gears(
     tooth_count : int or None
         Needed for the outline of a single pitch.
     """
+    import shapely
+
     with reading(path, "the closed outline of a gear with equal teeth"):
         if is_solid(path):
             return _gears_of_solids(path, unit, request or SectionRequest())
         curves = load_closed_curves(path, unit, layer=layer)
-        toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
+        # a toothed bore lies inside its gear
+        toothed: list[Array] = []
+        with_teeth = [curve for curve in curves if repeating_teeth(curve) is not None]
+        for outline in sorted(with_teeth, key=lambda curve: -abs(signed_area(curve))):
+            inside = shapely.Point(outline[0])
+            if not any(shapely.Polygon(other).contains(inside) for other in toothed):
+                toothed.append(outline)
         if tooth_count is not None or not toothed:
             toothed = curves[:1]
         gears = []
@@ -228,18 +236,6 @@ def _place(cut: BodySection) -> str:
         f"section of body {cut.body} at {cut.height * 1e3:.5g} mm of its extent {low:.5g} to "
         f"{high:.5g} mm along ({along}); profile_axis and profile_plane choose another"
     )
-
-
-def _outermost(curves: list[Array]) -> list[Array]:
-    # a toothed bore lies inside its gear
-    import shapely
-
-    kept: list[Array] = []
-    for curve in sorted(curves, key=lambda c: -abs(signed_area(c))):
-        inside = shapely.Point(curve[0])
-        if not any(shapely.Polygon(other).contains(inside) for other in kept):
-            kept.append(curve)
-    return kept
 
 
 def _by_size(gears: list[FoundGear]) -> tuple[FoundGear, ...]:

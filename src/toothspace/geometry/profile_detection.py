@@ -123,11 +123,31 @@ def gear_profile_from_curve(
     rolled = np.roll(checked, -int(corners[0]) if len(corners) else 0, axis=0)
     outline = _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
     center = centroid(outline)
-    teeth_found = _tooth_count(outline - center, key)
+    about = outline - center
+    _, area = area_elements(about)
+    if abs(area.sum() - abs(signed_area(about))) > 0.05 * abs(signed_area(about)):
+        raise GeometryError(key, "an outline that does not run round its centre", "a whole gear")
+    teeth_found = repeating_teeth(about)
+    if teeth_found is None:
+        raise GeometryError(
+            key,
+            "no repeating teeth",
+            f"an outline of {MIN_TOOTH_COUNT} to {MAX_TOOTH_COUNT} equal teeth",
+        )
     for _ in range(_CENTER_STEPS):
         phase = area_phase(outline - center, teeth_found)
         teeth = _teeth_in_sections(outline - center, teeth_found, phase, key)
-        shift = _center_shift(teeth, phase)
+        # a shift d moves every point by its normal part n.d: least squares over all teeth
+        middle = np.median(teeth, axis=0)
+        normals, length = _normals(middle)
+        apart = np.sum((teeth - middle) * normals, axis=2)
+        pitch = 2.0 * np.pi / len(teeth)
+        directions = np.vstack([turned(normals, phase + k * pitch) for k in range(len(teeth))])
+        limit = 3.0 * np.median(np.abs(apart)) + 1e-12
+        weight = np.minimum(1.0, limit / np.maximum(np.abs(apart.ravel()), 1e-15))
+        weight *= np.tile(length, len(teeth))
+        matrix = directions.T @ (directions * weight[:, None])
+        shift = np.linalg.solve(matrix, directions.T @ (weight * apart.ravel()))
         center = center + shift
         if np.hypot(*shift) < _CENTER_TOLERANCE:
             break
@@ -279,20 +299,6 @@ def _dense(points: Array) -> Array:
     return chosen
 
 
-def _tooth_count(points: Array, key: str) -> int:
-    _, area = area_elements(points)
-    if abs(area.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
-        raise GeometryError(key, "an outline that does not run round its centre", "a whole gear")
-    tooth_count = repeating_teeth(points)
-    if tooth_count is None:
-        raise GeometryError(
-            key,
-            "no repeating teeth",
-            f"an outline of {MIN_TOOTH_COUNT} to {MAX_TOOTH_COUNT} equal teeth",
-        )
-    return tooth_count
-
-
 def _chord_height(points: Array) -> float:
     # largest on the flanks
     radius = np.hypot(*(0.5 * (points + np.roll(points, -1, axis=0))).T)
@@ -383,20 +389,6 @@ def _normals(curve: Array) -> tuple[Array, Array]:
     length = np.hypot(tangent[:, 0], tangent[:, 1])
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
     return normal / np.maximum(length, 1e-15)[:, None], length
-
-
-def _center_shift(teeth: Array, phase: float) -> Array:
-    # a shift d moves every point by its normal part n.d: least squares over all teeth
-    median = np.median(teeth, axis=0)
-    normal, length = _normals(median)
-    gap = np.sum((teeth - median) * normal, axis=2)
-    pitch = 2.0 * np.pi / len(teeth)
-    directions = np.vstack([turned(normal, phase + k * pitch) for k in range(len(teeth))])
-    limit = 3.0 * np.median(np.abs(gap)) + 1e-12
-    weight = np.minimum(1.0, limit / np.maximum(np.abs(gap.ravel()), 1e-15))
-    weight *= np.tile(length, len(teeth))
-    matrix = directions.T @ (directions * weight[:, None])
-    return np.linalg.solve(matrix, directions.T @ (weight * gap.ravel()))
 
 
 def _flank_symmetry(tooth: Array) -> float:

@@ -272,8 +272,17 @@ def assemble(
     )
     pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
-    moving, basis = tuple(free), _basis(arrays)
-    return System(description, condition, arrays, pattern, basis, moving, motion_map, categories)
+    size = arrays.size
+    # where states depend on the unknowns: masses on gas and on motions that change a volume
+    basis = np.eye(size.core, dtype=bool)
+    for d in range(size.dynamic):
+        basis[size.mass + d, size.gas + d] = True
+    for i in range(size.chambers):
+        moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
+        basis[size.mass + arrays.dynamic_index[i], moved] = True
+    return System(
+        description, condition, arrays, pattern, basis, tuple(free), motion_map, categories
+    )
 
 
 def _sizes(
@@ -466,18 +475,6 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, col.PORT_AREA])]
     pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
     return pattern
-
-
-def _basis(arrays: SystemArrays) -> BoolArray:
-    """Where states depend on the unknowns: masses on gas and on motions that change a volume."""
-    size = arrays.size
-    basis = np.eye(size.core, dtype=bool)
-    for d in range(size.dynamic):
-        basis[size.mass + d, size.gas + d] = True
-    for i in range(size.chambers):
-        moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
-        basis[size.mass + arrays.dynamic_index[i], moved] = True
-    return basis
 
 
 def _moved(arrays: SystemArrays, table: int, first: int) -> list[int]:

@@ -361,7 +361,8 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     else:
         constants = (curve["walther_intercept"], curve["walther_slope"])
     kinematic = float(walther_viscosity(temperature, *constants, shift))
-    # dynamic viscosity at zero pressure, and its Barus coefficient: the density's share is the mean over 0 to 200 bar, where pumps work.
+    # viscosity at zero pressure and its Barus coefficient
+    # the density's share is the mean over 0 to 200 bar, where pumps work
     p = 2e7
     alpha = curve["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
     at_zero = kinematic * density * np.exp(-alpha * curve["reference_pressure"])

@@ -99,6 +99,14 @@ def journal_data(
         rows.append(
             (motion, motion + 1, *size, *at_rest, places[-1], 0.0, 0.0, 0, 0.0, 1.0, -1, -1)
         )
+    friction = [
+        np.empty((0, col.CURVE_COLUMNS)) if j.friction is None else j.friction.rows
+        for j in journals
+    ]
+    longest = max((len(one) for one in friction), default=0)
+    curves = np.zeros((len(journals), max(longest, 1), col.CURVE_COLUMNS))
+    for block, one in zip(curves, friction, strict=True):
+        block[: len(one)] = one
     return JournalData(
         rows=np.array(rows, dtype=float).reshape(len(journals), col.JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
@@ -106,21 +114,8 @@ def journal_data(
         ),
         asperity_range=span,
         film=maps[0]._replace(nodes=np.stack([one.nodes for one in maps])),
-        curves=_friction_curves(journals),
+        curves=curves,
     )
-
-
-def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:
-    """Friction curves over the load, one block per bearing, unused rows empty."""
-    rows = [
-        np.empty((0, col.CURVE_COLUMNS)) if j.friction is None else j.friction.rows
-        for j in journals
-    ]
-    longest = max((len(one) for one in rows), default=0)
-    curves = np.zeros((len(journals), max(longest, 1), col.CURVE_COLUMNS))
-    for block, one in zip(curves, rows, strict=True):
-        block[: len(one)] = one
-    return curves
 
 
 @lru_cache(maxsize=8)

@@ -118,7 +118,16 @@ class HeatSearch:
             return True
         following = self._mixing.following(self._tried, reached - self._tried)
         if self._rounds == 0:
-            following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)
+            # share of a rise with cold films that is left if all heat follows the viscosity
+            warmest, cold = float(reached.max()), liquid_of(case).dynamic_viscosity
+
+            def surplus(share: float) -> float:
+                at_share = liquid_of(case, supply + share * (warmest - supply))
+                return at_share.dynamic_viscosity / cold - share
+
+            most = min(1.0, (highest - supply) / max(warmest - supply, _AGREED))
+            left = most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
+            following = supply + left * (reached - supply)
         self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
         warm = dict(zip(temperature, self._tried, strict=True))
         self.machine = _warmed(case, self._description, warm)
@@ -135,18 +144,6 @@ class HeatSearch:
         data = self._solution.data.merge(nodes, combine_attrs="override")
         told = replace(self._solution, data=data)
         return told.with_note(warm_up_time=network.warm_up_time).short_of(self._warning)
-
-
-def _sheared_share(case: Case, reached: float, highest: float) -> float:
-    """Share of a rise with cold films that is left if all heat follows the viscosity. [-]."""
-    supply, cold = fluid_temperature(case), liquid_of(case).dynamic_viscosity
-
-    def surplus(share: float) -> float:
-        warm = liquid_of(case, supply + share * (reached - supply))
-        return warm.dynamic_viscosity / cold - share
-
-    most = min(1.0, (highest - supply) / max(reached - supply, _AGREED))
-    return most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
 
 
 def _warmed(

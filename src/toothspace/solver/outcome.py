@@ -410,7 +410,15 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["block_position"] = moving
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
-        values["contact_gap"] = _contact_gaps(history)
+        shaft_angle = history.states[:, :1]
+        moved = history.states[:, size.position : size.velocity] @ system.motion_map.T
+        gaps = []
+        for contact in loaded_contacts(system.description, system.condition):
+            angles = contact.phases + contact.angle_ratio * shaft_angle
+            turns = relative_rotation(contact, system.description.motions)
+            rigid = contact.geometry(angles)[..., 0]
+            gaps.append(displaced_gap(contact, angles, turns, moved) if size.compliant else rigid)
+        values["contact_gap"] = np.hstack(gaps)
     return values
 
 
@@ -459,20 +467,6 @@ def journal_bodies(system: System) -> list[str]:
     free, motions = system.free_motions, system.description.motions
     places = [int(row[col.MOTION_X]) for row in system.arrays.journal]
     return [motions[free[place]].body for place in places if place < len(free)]
-
-
-def _contact_gaps(history: History) -> Array:
-    """Gaps of all loaded contacts, where the bodies are."""
-    system, size = history.system, history.system.arrays.size
-    shaft_angle = history.states[:, :1]
-    motion = history.states[:, size.position : size.velocity] @ system.motion_map.T
-    gaps = []
-    for contact in loaded_contacts(system.description, system.condition):
-        angles = contact.phases + contact.angle_ratio * shaft_angle
-        turns = relative_rotation(contact, system.description.motions)
-        rigid = contact.geometry(angles)[..., 0]
-        gaps.append(displaced_gap(contact, angles, turns, motion) if size.compliant else rigid)
-    return np.hstack(gaps)
 
 
 def loss_values(history: History, seen: Observation) -> dict[str, Array]:

@@ -229,19 +229,16 @@ class GearDesigns(ExternalPair[Array]):
                 },
             )
         )
-        return found | self._interference(found) | self._broken_rules()
-
-    def _interference(self, found: IntArray) -> IntArray:
-        """Pairs whose tips reach below the involute and cut the fillet there."""
         which = np.flatnonzero((np.minimum(*self.involute_margins) < 0.0) & (found == 0))
-        if not which.size:
-            return found
-        drive, driven = self.drive.chosen(which), self.driven.chosen(which)
-        distance, play = self.center_distance[which], np.full(found.shape, np.inf)
-        play[which] = np.minimum(
-            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
-        )
-        return marked(found.shape, {DesignReason.INTERFERENCE: play < -LARGEST_OVERLAP})
+        if which.size:
+            # tips that reach below the involute cut the fillet there
+            first, second = self.drive.chosen(which), self.driven.chosen(which)
+            distance, play = self.center_distance[which], np.full(found.shape, np.inf)
+            play[which] = np.minimum(
+                first.fillet_play(second, distance), second.fillet_play(first, distance)
+            )
+            found |= marked(found.shape, {DesignReason.INTERFERENCE: play < -LARGEST_OVERLAP})
+        return found | self._broken_rules()
 
     def _broken_rules(self) -> IntArray:
         drive, driven, module = self.drive, self.driven, self.drive.module

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.signals import read_grid
 from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import ReliefGrooves, read_contours
+from toothspace.gearing.gear_tables import read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.cad_import import is_solid
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
@@ -101,6 +101,16 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
             ),
             nose_contour=_only_polygon(nose and nose.contour, f"{table}.nose.contour"),
         )
+    grooves = machine.relief_grooves
+    if grooves is None:
+        relief = None
+    elif not is_solid(grooves.contour):
+        relief = grooves.grooves(unit=grooves.contour_unit)
+    else:
+        from toothspace.machines.external_gear.part_files import groove_contours
+
+        polygons, depth = groove_contours(machine, drive, driven, distance)
+        relief = grooves.outlined(polygons, depth, "relief_grooves.contour")
     return ExternalGearSpec(
         keys=machine,
         drive=drive,
@@ -109,7 +119,7 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         bush=library_material(bearing.material, "journal_bearings.material"),
         seal_torque=seal_torque(machine.seals, bearing.diameter),
         casing_contour=contour,
-        grooves=_grooves(machine, drive, driven, distance),
+        grooves=relief,
         floating_block=block,
     )
 
@@ -209,20 +219,6 @@ def _deviations(
     except CaseError as error:
         text = f"{table}.tooth_deviations: {error}".replace(str(file), file.name)
         raise GeometryError(text) from error
-
-
-def _grooves(
-    machine: ExternalGearTables, drive: Gear, driven: Gear, distance: float
-) -> ReliefGrooves | None:
-    grooves = machine.relief_grooves
-    if grooves is None:
-        return None
-    if not is_solid(grooves.contour):
-        return grooves.grooves(unit=grooves.contour_unit)
-    from toothspace.machines.external_gear.part_files import groove_contours
-
-    polygons, depth = groove_contours(machine, drive, driven, distance)
-    return grooves.outlined(polygons, depth, "relief_grooves.contour")
 
 
 def _only_polygon(path: Path | None, key: str) -> Array | None:

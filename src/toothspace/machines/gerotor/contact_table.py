@@ -399,7 +399,19 @@ def _advance(
     old = list(tracks.values())
     following: dict[int, _Track] = {}
     reach = _FARTHEST * rotors.eccentricity
-    pairs = _nearest_pairs([track.ahead() for track in old], places, lengths, reach)
+    expected = [track.ahead() for track in old]
+    # in the order of their distance, each side used once, none too far
+    pairs: dict[int, int] = {}
+    if expected and places.size:
+        difference = np.array(expected)[:, None, :] - places[None, :, :]
+        difference -= lengths * np.round(difference / lengths)
+        far = np.hypot(difference[..., 0], difference[..., 1])
+        for flat in np.argsort(far, axis=None):
+            k, other = divmod(int(flat), places.shape[0])
+            if far[k, other] > reach:
+                break
+            if k not in pairs and other not in pairs.values():
+                pairs[k] = other
     for k, track in enumerate(old):
         if k in pairs:
             j = pairs[k]
@@ -415,25 +427,6 @@ def _advance(
     for j in set(range(rows.size)) - set(pairs.values()):
         following[int(rows[j])] = _Track(int(rows[j]), places[j])
     return following
-
-
-def _nearest_pairs(
-    expected: list[Array], places: Array, lengths: Array, reach: float
-) -> dict[int, int]:
-    """Pairs in the order of their distance, each side used once, none beyond ``reach``."""
-    if not expected or not places.size:
-        return {}
-    difference = np.array(expected)[:, None, :] - places[None, :, :]
-    difference -= lengths * np.round(difference / lengths)
-    far = np.hypot(difference[..., 0], difference[..., 1])
-    pairs: dict[int, int] = {}
-    for flat in np.argsort(far, axis=None):
-        k, j = divmod(int(flat), places.shape[0])
-        if far[k, j] > reach:
-            break
-        if k not in pairs and j not in pairs.values():
-            pairs[k] = j
-    return pairs
 
 
 def branches(closest: ClosestPoints, successor: IntArray, nodes: int) -> list[Branch]:
