@@ -28,6 +28,9 @@ REPOSITORY = HERE.parent
 FOLDER = REPOSITORY / "src" / "toothspace" / "native"
 STAMP = FOLDER / "built_from"
 
+WHOLE_MACHINE = "solver.compiled_model._run"
+"""Entry that is the whole lumped model."""
+
 LIBRARY_FLAGS = {
     "linux": ["-shared", "-fPIC", "-Wl,-z,defs", "-Wl,--gc-sections", "-s", "-lm"],
     "darwin": ["-dynamiclib", "-Wl,-install_name,@rpath/libtoothspace.dylib"],
@@ -61,8 +64,9 @@ def build() -> None:
         tasks = [workers.submit(compiled_entry, n, entries[n], digests[n]) for n in first]
         compiled = [task.result() for task in tasks]
     FOLDER.mkdir(exist_ok=True)
+    digest = digest_of_texts(texts)
     with tempfile.TemporaryDirectory() as folder:
-        _link(compiled, _table(compiled, texts), Path(folder))
+        _link(compiled, _table(compiled, sorted(texts), digest), digest, Path(folder))
 
 
 def module_of(name: str) -> str:
@@ -70,8 +74,8 @@ def module_of(name: str) -> str:
     return name.rpartition(".")[0]
 
 
-def _link(compiled: list[Compiled], source: str, folder: Path) -> None:
-    from toothspace.core.compilation.library import CALLER, LIBRARY
+def _link(compiled: list[Compiled], source: str, digest: str, folder: Path) -> None:
+    from toothspace.core.compilation.library import CALLER, LIBRARY, MODEL, UNIT, UNIT_SOURCES
 
     objects = []
     for k, one in enumerate(compiled):
@@ -82,10 +86,18 @@ def _link(compiled: list[Compiled], source: str, folder: Path) -> None:
     sources = [table, *(HERE / "c" / name for name in ("machine.c", "memory.c"))]
     common = [*_compiler(), "-O2", "-fvisibility=hidden"]
     _run([*common, "-o", folder / LIBRARY, *sources, *objects, *LIBRARY_FLAGS[sys.platform]])
+    # the whole machine alone, for units that go to other programs
+    model = folder / MODEL
+    model.write_bytes(next(one.code for one in compiled if one.name == WHOLE_MACHINE))
+    (folder / "digest.c").write_text(f'const char *toothspace_table = "{digest}";\n', "utf-8")
+    for name in UNIT_SOURCES:
+        if not (folder / name).exists():
+            shutil.copyfile(HERE / "c" / name, folder / name)
+    sources = [folder / name for name in UNIT_SOURCES if name.endswith(".c")]
+    _run([*common, "-o", folder / UNIT, *sources, model, *LIBRARY_FLAGS[sys.platform]])
     caller = [f"-I{sysconfig.get_path('include')}", HERE / "c" / "caller.c"]
     _run([*common, "-o", folder / CALLER, *caller, *CALLER_FLAGS[sys.platform]])
-    shutil.copyfile(HERE / "c" / "toothspace.h", folder / "toothspace.h")
-    for name in (LIBRARY, CALLER, "toothspace.h"):
+    for name in (LIBRARY, CALLER, UNIT, MODEL, *UNIT_SOURCES):
         # moved, so that a process that uses the former one keeps it
         shutil.copyfile(folder / name, FOLDER / f".{name}")
         (FOLDER / f".{name}").replace(FOLDER / name)
@@ -99,14 +111,12 @@ def _run(command: list[Any]) -> None:
     subprocess.run([str(part) for part in command], check=True)
 
 
-def _table(compiled: list[Compiled], texts: dict[str, str]) -> str:
+def _table(compiled: list[Compiled], modules: list[str], digest: str) -> str:
     """Source of the table of entries, which the loader reads."""
-    from toothspace.core.compilation.sources import digest_of_texts
-
     table = {
         "target": target(),
-        "digest": digest_of_texts(texts),
-        "modules": sorted(texts),
+        "digest": digest,
+        "modules": modules,
         "entries": [
             {"name": one.name, "types": one.types, "results": one.results} for one in compiled
         ],

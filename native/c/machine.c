@@ -16,10 +16,12 @@
 #define MAGIC "TOOTHSP1"
 #define NAME 40
 #define RESTARTED_AT 1e-3 /* part by which an input moves the integration to its first order */
+#define SAME_SLOPE 1e-9   /* part within which a speed goes on along its line */
+#define FOREVER 1e12      /* end of that line [s] */
+#define SIDEWAYS 1e-3     /* part by which inputs are moved for a derivative */
 
 enum task { BEGIN, ADVANCE, OBSERVE, PLACE, CONTACTS, EVALUATE, HOLD, MOVING, WALLS, PRESSURE };
-enum role { PORT_PRESSURE, SHAFT_SPEED, LOAD_TORQUE, NUMBER, FLOW };
-enum { TERMINAL_EVENT = 1 };
+enum role { PORT_PRESSURE, SHAFT_SPEED, LOAD_TORQUE, NUMBER, FLOW, PORT_FLOW, INERTIA };
 
 extern int32_t toothspace_solver_compiled_model__run(void *result, void **failure,
                                                      const void *words);
@@ -38,8 +40,8 @@ typedef struct {
 
 typedef struct {
     char name[NAME], unit[16];
-    int64_t role, place, density, direction; /* of a port, its node and its density */
-    double factor;
+    int64_t role, place, density, other; /* of a port its node and its density */
+    double factor; /* of inertia what the machine itself has */
 } variable;
 
 struct toothspace_machine {
@@ -105,30 +107,63 @@ static void observe(toothspace_machine *m, double step)
     }
 }
 
-/* Hand the inputs to the model; speed is a straight line over the step. */
+/* Lead the speed along a straight line to its value at the end of the step. */
+static void take_speed(toothspace_machine *m, double value, double end)
+{
+    double *knots = number(m, m->at.knots), now = number(m, m->at.reached)[1];
+    double slope = (value - now) / (end - m->time);
+    double former = (knots[3] - knots[1]) / (knots[2] - knots[0]);
+    double change = fabs(slope - former) * (end - m->time), size = fmax(fabs(value), fabs(now));
+    if (change <= SAME_SLOPE * size)
+        return;
+    if (change > RESTARTED_AT * size)
+        m->restart = 1;
+    knots[0] = m->time, knots[1] = now;
+    knots[2] = m->time + FOREVER, knots[3] = now + slope * FOREVER;
+    if (now == 0.0)
+        *number(m, m->at.direction) = (value > 0.0) - (value < 0.0);
+}
+
+/* Hand the inputs to the model. */
 static void take_inputs(toothspace_machine *m, double end)
 {
     for (int64_t k = 0; k < m->at.inputs; k++) {
         const variable *v = &m->variables[k];
-        double value = m->values[k];
-        if (v->role == PORT_PRESSURE && *number(m, v->place) != value) {
+        double value = m->values[k], *place = number(m, v->place);
+        if (v->role == PORT_PRESSURE && *place != value) {
             double *given = number(m, m->at.state);
-            given[0] = (double)v->direction;
+            given[0] = (double)v->other;
             given[1] = value;
             run(m, PRESSURE, m->time);
         } else if (v->role == LOAD_TORQUE) {
-            *number(m, m->at.load) = value;
+            *place = value;
+        } else if (v->role == INERTIA) {
+            *place = v->factor + value;
+        } else if (v->role == PORT_FLOW) {
+            place[0] = place[2] = value; /* two rows of time and flow */
         } else if (v->role == SHAFT_SPEED) {
-            double *knots = number(m, m->at.knots), now = number(m, m->at.reached)[1];
-            knots[0] = m->time, knots[1] = now;
-            knots[2] = end, knots[3] = value;
-            if (now == 0.0)
-                *number(m, m->at.direction) = (value > 0.0) - (value < 0.0);
+            take_speed(m, value, end);
         }
     }
 }
 
-int toothspace_step(toothspace_machine *m, double end)
+/* The shaft stops or breaks away. */
+static void pass_event(toothspace_machine *m)
+{
+    m->time = *number(m, m->at.valid_until);
+    set_state(m);
+    double *direction = number(m, m->at.direction), driving = *number(m, m->at.driving);
+    if (*direction == 0.0) {
+        *direction = (driving > 0.0) - (driving < 0.0);
+    } else {
+        number(m, m->at.state)[1] = 0.0;
+        settle(m);
+    }
+    memcpy(number(m, m->at.reached), number(m, m->at.state), sizeof(double) * m->at.states);
+    run(m, BEGIN, m->time);
+}
+
+static int stepped(toothspace_machine *m, double end, int to_event)
 {
     if (!(end > m->time) || !isfinite(end))
         return TOOTHSPACE_WRONG_TIME;
@@ -147,24 +182,22 @@ int toothspace_step(toothspace_machine *m, double end)
         int code = (int)run(m, ADVANCE, end);
         if (code == TOOTHSPACE_DONE)
             break;
-        if (code != TERMINAL_EVENT)
+        if (code != TOOTHSPACE_EVENT)
             return code;
-        /* the shaft stops or breaks away */
-        m->time = *number(m, m->at.valid_until);
-        set_state(m);
-        double *direction = number(m, m->at.direction), driving = *number(m, m->at.driving);
-        if (*direction == 0.0) {
-            *direction = (driving > 0.0) - (driving < 0.0);
-        } else {
-            number(m, m->at.state)[1] = 0.0;
-            settle(m);
+        pass_event(m);
+        if (to_event && m->time < end) {
+            observe(m, m->time - begin);
+            return TOOTHSPACE_EVENT;
         }
-        run(m, BEGIN, m->time);
     }
     m->time = end;
     observe(m, end - begin);
     return TOOTHSPACE_DONE;
 }
+
+int toothspace_step(toothspace_machine *m, double end) { return stepped(m, end, 0); }
+
+int toothspace_step_to_event(toothspace_machine *m, double end) { return stepped(m, end, 1); }
 
 /* Making and ending machines. */
 
@@ -277,7 +310,7 @@ toothspace_machine *toothspace_create(const char *file, char *message, size_t si
         return NULL;
     for (int64_t k = 0; k < m->at.variables; k++) {
         const variable *v = &m->variables[k];
-        m->values[k] = *number(m, v->place);
+        m->values[k] = *number(m, v->place) - (v->role == INERTIA ? v->factor : 0.0);
         m->masses[k] = m->values[k];
     }
     settle(m);
@@ -365,8 +398,8 @@ int toothspace_set(toothspace_machine *m, int k, double value)
 {
     if (!known(m, k) || k >= m->at.inputs || !isfinite(value))
         return -1;
-    double change = fabs(value - m->values[k]);
-    if (change > RESTARTED_AT * fmax(fabs(value), fabs(m->values[k])))
+    double size = fmax(fabs(value), fabs(m->values[k]));
+    if (m->variables[k].role != SHAFT_SPEED && fabs(value - m->values[k]) > RESTARTED_AT * size)
         m->restart = 1;
     m->values[k] = value;
     return 0;
@@ -375,4 +408,62 @@ int toothspace_set(toothspace_machine *m, int k, double value)
 double toothspace_get(const toothspace_machine *m, int k)
 {
     return known(m, k) ? m->values[k] : NAN;
+}
+
+/* Derivatives. */
+
+/* Size of an input that is small for a machine. [SI] */
+static double small(const variable *v)
+{
+    return v->role == PORT_PRESSURE ? 1e6
+           : v->role == SHAFT_SPEED ? 10.0
+           : v->role == PORT_FLOW   ? 1e-5
+           : v->role == INERTIA     ? 1e-5
+                                    : 1.0;
+}
+
+/* Outputs after one step with all inputs moved along the seed, which take the integrator's begin
+ * with them; the machine is a copy that ends here. */
+static int moved(toothspace_machine *m, double step, double by, int inputs, const int *input,
+                 const double *seed, int outputs, const int *output, double *values)
+{
+    int code = m ? 0 : TOOTHSPACE_NOT_FINITE;
+    for (int k = 0; k < inputs && !code; k++)
+        code = toothspace_set(m, input[k], toothspace_get(m, input[k]) + by * seed[k]);
+    if (!code) {
+        m->restart = 1;
+        code = toothspace_step(m, m->time + step);
+    }
+    for (int k = 0; k < outputs && !code; k++)
+        values[k] = toothspace_get(m, output[k]);
+    toothspace_destroy(m);
+    return code;
+}
+
+int toothspace_derivative(const toothspace_machine *m, double step, int inputs, const int *input,
+                          const double *seed, int outputs, const int *output, double *derivative)
+{
+    double by = INFINITY;
+    for (int k = 0; k < inputs; k++) {
+        if (!known(m, input[k]) || input[k] >= m->at.inputs)
+            return -1;
+        double size = fmax(fabs(m->values[input[k]]), small(&m->variables[input[k]]));
+        if (seed[k] != 0.0)
+            by = fmin(by, SIDEWAYS * size / fabs(seed[k]));
+    }
+    for (int k = 0; k < outputs; k++)
+        derivative[k] = 0.0;
+    if (!isfinite(by))
+        return TOOTHSPACE_DONE;
+    double *above = calloc((size_t)outputs + 1, sizeof *above);
+    if (!above)
+        return TOOTHSPACE_NOT_FINITE;
+    int code = moved(toothspace_copy(m), step, by, inputs, input, seed, outputs, output, above);
+    if (!code)
+        code = moved(toothspace_copy(m), step, -by, inputs, input, seed, outputs, output,
+                     derivative);
+    for (int k = 0; k < outputs && !code; k++)
+        derivative[k] = 0.5 * (above[k] - derivative[k]) / by;
+    free(above);
+    return code;
 }

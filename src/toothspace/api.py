@@ -21,7 +21,14 @@ from toothspace.core.processes import outcomes
 from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type, machine_type_names, optional_function
 from toothspace.core.types import Array
-from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
+from toothspace.core.units import (
+    Quantity,
+    as_text,
+    from_si,
+    parse_quantity,
+    split_quantity,
+    to_si,
+)
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
@@ -44,6 +51,7 @@ __all__ = [
     "evaluate_designs",
     "fluid_of",
     "load_case",
+    "new_case",
     "prepare",
     "simulate",
     "simulate_all",
@@ -329,3 +337,59 @@ def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder
     if not found:
         raise CaseError(f"{files[0]}: --case", "no machine", "gears or rotors of one")
     return max(found, key=lambda draft: draft.parts).text
+
+
+def new_case(machine: str, displacement: str, pressure: str, speed: str) -> str:
+    """First design of a machine by the design rules, as a case file.
+
+    Parameters
+    ----------
+    machine : str
+        Machine type, such as ``external_gear``.
+    displacement : str
+        Of a turn, such as ``"14 cm^3"``.
+    pressure : str
+        Outlet pressure, absolute, such as ``"210 bar"``.
+    speed : str
+        Shaft speed, such as ``"1500 rpm"``.
+
+    Returns
+    -------
+    str
+        TOML: complete, with the reason for each number.
+
+    Raises
+    ------
+    CaseError
+        If the machine type designs nothing, or no such machine can be built.
+
+    Examples
+    --------
+    >>> import toothspace as ts
+    >>> text = ts.new_case("external_gear", "14 cm^3", "210 bar", "1500 rpm")
+    >>> case = ts.Case.from_toml(text)
+    >>> round(ts.describe(case).displacement * 2e6 * 3.14159265, 1)
+    14.0
+    """
+    names = machine_type_names()
+    able = [repr(name) for name in names if optional_function(name, "new_case") is not None]
+    make = optional_function(machine, "new_case") if machine in names else None
+    if make is None:
+        raise CaseError("machine.type", repr(machine), " or ".join(able))
+    text = displacement.removesuffix("/rev").strip()
+    given = {
+        "displacement": (text, "cm^3", (0.02, 5000.0)),
+        "pressure": (pressure, "bar", (2.0, 500.0)),
+        "speed": (speed, "rpm", (10.0, 20000.0)),
+    }
+    numbers = []
+    for name, (value, unit, (least, most)) in given.items():
+        found = from_si(parse_quantity(value, unit), unit)
+        if not least <= found <= most:
+            raise CaseError(name, repr(value), f"{least:g} to {most:g} {unit}")
+        numbers.append(float(f"{found:.9g}"))
+    estimate = Case.from_toml(make(*numbers))
+    share = numbers[0] / (2e6 * np.pi * describe(estimate).displacement)
+    case: str = make(*numbers, share)
+    Case.from_toml(case).check()
+    return case

@@ -20,7 +20,7 @@ Definition = tuple[str, str]
 BODY = "<module>"
 """What a module runs when it is imported."""
 
-MACHINE_PARTS = {"parameters", "cad", "designs"}
+MACHINE_PARTS = {"parameters", "cad", "designs", "new_case"}
 """Modules of a machine type that are found by their name."""
 
 EXTENSIONS = {"numba.extending": "", "toothspace.core.compiled": "stand_in"}

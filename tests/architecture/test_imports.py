@@ -15,7 +15,7 @@ HEAVY = {
 
 IMPORT_ALL = """
 import importlib, pkgutil, sys
-for hidden in ("OCP", "matplotlib", "trimesh", "ezdxf"):
+for hidden in ("OCP", "matplotlib", "trimesh", "ezdxf", "starlette", "uvicorn"):
     sys.modules[hidden] = None
 import toothspace
 for module in pkgutil.walk_packages(toothspace.__path__, "toothspace."):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
-from importlib.metadata import requires
+from importlib.metadata import distributions, requires
 from pathlib import Path
 
 import pytest
@@ -49,6 +49,8 @@ def test_lock_file_is_plain(repository: Path) -> None:
 def test_lock_file_pins_what_the_pins_ask_for(repository: Path) -> None:
     lock = (repository / "requirements" / "lock.txt").read_text(encoding="utf-8").split()
     pinned = {canonicalize_name(line.split("==")[0]) for line in lock}
+    here = {canonicalize_name(found.name) for found in distributions()}
+    assert not pinned - here, "pins that are not installed: run make setup"
     asked = {
         f"{canonicalize_name(one.name)} of {name}"
         for name in pinned

@@ -164,7 +164,8 @@ def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -
 
     later = [f'machine.relief_grooves.closing_side_offset="{d} mm"' for d in (3.8, 4.2)]
     open_all_along = peak(DUAL_CLOSING)
-    assert open_all_along < 1.1 * 200.0
+    ports = solved(name, DUAL_CLOSING).data[["inlet_pressure", "outlet_pressure"]].max()
+    assert open_all_along < 1.01 * max(float(highest) for highest in ports.values()) / 1e5
     assert open_all_along - 1.0 < peak() < open_all_along + 50.0
     assert peak() + 100.0 < peak(later[0]) < 0.5 * peak(later[1])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -321,6 +321,23 @@ def verdict(solution: Solution) -> str:
             )
         text += f" {loss}."
     return text
+
+
+def change_first(solution: Solution, findings: Sequence[Finding]) -> str:
+    """Return in one or two sentences what to change first: what is wrong, else the largest loss."""
+    for severity in ("serious", "caution"):
+        for finding in findings:
+            if finding.severity == severity:
+                return finding.sentence
+    losses = sorted(loss_causes(solution.ledger), key=lambda loss: -loss.power)
+    if not losses:
+        return "Nothing: all limits and design rules are met."
+    worst = losses[0]
+    return (
+        "Nothing has to be changed: all limits and design rules are met. The largest loss is "
+        f"{worst.cause}, {worst.label}: {worst.power:.3g} W, {100.0 * worst.share:.2g} % of the "
+        "power supplied."
+    )
 
 
 def _number(numbers: Mapping[str, float | str], name: str) -> float:

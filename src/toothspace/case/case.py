@@ -16,6 +16,7 @@ from toothspace.case.case_tables import (
     STUDY_KEY,
     CaseTables,
     broken_rules,
+    missing_tables,
 )
 from toothspace.case.document import (
     BASE,
@@ -453,6 +454,9 @@ def _made(
     if not {"title", "bearing", "film"} & set(tables):
         problems.append(Problem("title", "nothing", "a text that is not empty"))
     read = problems.of("", Table(spec=Case).values, tables, Source(folder))
+    if problems:
+        # what rules on whole cases would ask for next
+        problems += missing_tables(tables)
     try:
         problems.settle()
         case = Case(**read, source=source, overrides=overrides)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any
@@ -17,6 +17,9 @@ from toothspace.core.keys import KeyTable, Variant, declare, integer, table, tex
 from toothspace.core.registry import MACHINE_KEYS, STUDY_KEYS
 from toothspace.core.units import format_si
 from toothspace.model.operating_point import OperatingCondition
+
+_MACHINE = 'a table [machine] with type = "external_gear" or another and mode = "pump" or "motor"'
+_FLUID = 'a table [fluid] with name = "iso_vg_46" or another and temperature = "50 degC"'
 
 SCHEMA_VERSION = 1
 
@@ -80,6 +83,8 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
         found = " and ".join(f"[{name}]" for name in given) or "none of them"
         allowed = f"exactly one of {', '.join(f'[{name}]' for name in CONDITIONS)}"
         yield Problem(given[1] if given else "operating_point", found, allowed)
+        if not given:
+            yield from _parts(case)
         return
     if case.study is not None and given[0] not in CONDITIONS[:2]:
         allowed = "a study only with [operating_point] or [circuit]"
@@ -111,6 +116,19 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
             yield Problem("operating_point.outlet_pressure", _bar(point.outlet_pressure), allowed)
 
 
+def missing_tables(tables: Mapping[str, Any]) -> Iterator[Problem]:
+    """Yield the tables that a case of a machine must have and this one has not."""
+    if {"bearing", "film"} & set(tables):
+        return
+    if not {"operating_point", "circuit"} & set(tables):
+        allowed = f"exactly one of {', '.join(f'[{name}]' for name in CONDITIONS)}"
+        yield Problem("operating_point", "none of them", allowed)
+    if "machine" not in tables:
+        yield Problem("machine", "nothing", _MACHINE)
+    if "fluid" not in tables:
+        yield Problem("fluid", "nothing", _FLUID)
+
+
 def _presets(found: Iterable[Preset]) -> str:
     return " or ".join(repr(preset.name) for preset in found)
 
@@ -119,12 +137,12 @@ def _parts(case: CaseTables) -> Iterator[Problem]:
     stand_alone = case.bearing or case.film
     if stand_alone is None or isinstance(stand_alone, LateralFilmCase):
         if case.machine is None:
-            yield Problem("machine", "nothing", "a table [machine] with type and mode")
+            yield Problem("machine", "nothing", _MACHINE)
     elif case.machine is not None:
         yield Problem("machine", "a machine", "no machine with a stand-alone film")
     if stand_alone is None:
         if case.fluid is None:
-            yield Problem("fluid", "nothing", "a table [fluid] with name and temperature")
+            yield Problem("fluid", "nothing", _FLUID)
         return
     path = f"{'bearing' if case.bearing is not None else 'film'}.dynamic_viscosity"
     if stand_alone.dynamic_viscosity is None and case.fluid is None:

@@ -24,6 +24,8 @@ _MOST_BASES = 10
 _DEEPEST = 20
 _LARGEST_INTEGER = 2**63 - 1
 _LONGEST_PLACE = 80
+_LONGEST_PATH = 10_000
+_NAME_END = re.compile(r"[.\[]")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _NAME = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*\]")
@@ -263,12 +265,12 @@ def _stands(tables: Any, path: str) -> bool:
         index, _, rest = path[1:].partition("]")
         inside = isinstance(tables, list) and int(index) < len(tables)
         return inside and _stands(tables[int(index)], rest.removeprefix("."))
-    if not isinstance(tables, dict):
+    if not isinstance(tables, dict) or len(path) > _LONGEST_PATH:
         return False
+    ends = (*(match.start() for match in _NAME_END.finditer(path)), len(path))
     return any(
-        _stands(value, path[len(name) :].removeprefix("."))
-        for name, value in tables.items()
-        if path == name or path.startswith((f"{name}.", f"{name}["))
+        path[:end] in tables and _stands(tables[path[:end]], path[end:].removeprefix("."))
+        for end in ends
     )
 
 

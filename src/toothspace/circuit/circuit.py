@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 from toothspace.circuit.elements import ELEMENTS
+from toothspace.circuit.fmu import ForeignUnit, LinkedUnit
 from toothspace.circuit.network import PORT_NODES, CircuitNetwork, CircuitNode, FluidPart
-from toothspace.circuit.shaft_loads import SHAFT_PARTS
 from toothspace.circuit.stores import Tank
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
@@ -61,7 +61,7 @@ class Circuit(KeyTable):
 
     def __post_init__(self) -> None:
         # connections to unknown elements, and fluid elements that nothing joins
-        fluid = [n for n, e in self.elements.items() if not isinstance(e, SHAFT_PARTS)]
+        fluid = list(self.parts)
         allowed = [*fluid, *MACHINE_PORTS]
         joined = [name for pair in self.connections for name in pair]
         for name in joined:
@@ -70,11 +70,18 @@ class Circuit(KeyTable):
         for name in fluid:
             if name not in joined:
                 raise CaseError(name, "an element without connection", "an entry in connections")
+        for name, unit in self.units.items():
+            unit.check_links(name, self.elements, [p for p in MACHINE_PORTS if p in joined])
 
     @property
     def parts(self) -> Mapping[str, FluidPart]:
         """Elements that hold or pass fluid, by name."""
         return {n: e for n, e in self.elements.items() if isinstance(e, FluidPart)}
+
+    @property
+    def units(self) -> Mapping[str, ForeignUnit]:
+        """Units of other programs, by name."""
+        return {n: e for n, e in self.elements.items() if isinstance(e, ForeignUnit)}
 
 
 def build_circuit(
@@ -103,7 +110,9 @@ def build_circuit(
     for joined in _joints(circuit):
         nodes |= _nodes_of(joined, parts, held, start, fluid)
     built = CircuitNetwork(tuple(dict.fromkeys(nodes.values())), supply_pressure=supply)
+    rows: dict[str, int] = {}
     for name, part in parts.items():
+        rows[name] = len(built.elements)
         ends = [nodes[name, end].name for end in range(2) if (name, end) in nodes]
         a, b = ("supply", *ends)[-2:] if part.draws_alone else (ends[0], ends[-1])
         added = part.build(name, (a, b), start, fluid)
@@ -113,7 +122,24 @@ def build_circuit(
             elements=(*built.elements, *added.elements),
             orifices=(*built.orifices, *added.orifices),
         )
-    return built.with_tank_ends()
+    units = tuple(_linked(name, unit, nodes, rows) for name, unit in circuit.units.items())
+    return replace(built.with_tank_ends(), units=units).with_led_histories()
+
+
+def _linked(
+    name: str, unit: ForeignUnit, nodes: Mapping[Place, CircuitNode], rows: Mapping[str, int]
+) -> LinkedUnit:
+    """Unit with the nodes whose pressures it is told and the rows that it sets."""
+    told, sets = [], []
+    for variable, source in unit.inputs:
+        place, _, what = source.rpartition(".")
+        if what == "pressure" and (place, 0) not in nodes:
+            raise CaseError(f"circuit.{name}.inputs", repr(source), "a place that fluid reaches")
+        told.append((variable, what, nodes[place, 0].name if what == "pressure" else ""))
+    for variable, target in unit.outputs:
+        element, _, what = target.rpartition(".")
+        sets.append((variable, what, rows.get(element, -1)))
+    return LinkedUnit(name, unit, tuple(told), tuple(sets))
 
 
 def _joints(circuit: Circuit) -> list[list[Place]]:

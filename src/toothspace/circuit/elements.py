@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from toothspace.circuit.fmu import ForeignUnit
 from toothspace.circuit.lines import FluidColumn, Hose
 from toothspace.circuit.network import KIND
-from toothspace.circuit.pumps import MappedPump, PumpMap, SupplyPump, mapped_flow, pump_flow
+from toothspace.circuit.pumps import (
+    FlowSource,
+    MappedPump,
+    PumpMap,
+    SupplyPump,
+    mapped_flow,
+    pump_flow,
+)
 from toothspace.circuit.restrictions import (
     CheckValve,
     Cooler,
@@ -28,6 +36,7 @@ from toothspace.core.types import Array
 ELEMENTS: Mapping[str, type] = {
     "speed_source": SpeedSource,
     "pump_map": PumpMap,
+    "flow_source": FlowSource,
     "hose": Hose,
     "volume": Volume,
     "orifice": Orifice,
@@ -41,6 +50,7 @@ ELEMENTS: Mapping[str, type] = {
     "coupling": Coupling,
     "torque_source": TorqueSource,
     "tank": Tank,
+    "fmu": ForeignUnit,
 }
 """Circuit elements by the value of their key ``kind``."""
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
+from toothspace.circuit.fmu import LinkedUnit
 from toothspace.circuit.history import Tables, no_history
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.keys import KeyTable
@@ -29,6 +30,7 @@ PORT_NODES = ("inlet", "outlet", "drain", "load", "supply")
     FLOW, FLOW_BY_A, FLOW_BY_B, LAW,
 ) = range(14)  # fmt: skip
 LAW_FIELDS = 4
+_LATER = 1e-3
 COLUMNS = LAW + LAW_FIELDS
 
 
@@ -81,6 +83,8 @@ class CircuitElement:
     """States of its own, the flow first; else the flow follows from the pressures at once."""
     supplies: bool = False
     """Whether its work on the fluid comes from outside; else its loss is one of the circuit."""
+    turns: bool = False
+    """Whether its history is the speed of a shaft. [rad/s]"""
 
 
 @final
@@ -105,6 +109,8 @@ class CircuitNetwork:
     """What joins them."""
     supply_pressure: float = 1e5
     """Absolute pressure of the tank that supply pumps draw from. [Pa]"""
+    units: tuple[LinkedUnit, ...] = ()
+    """Units of other programs that are told values of the run and set histories."""
     tank_ends: tuple[CircuitNode, ...] = ()
     """Ends of elements and orifices at tanks, each a tank that accounts for its own flow."""
 
@@ -141,6 +147,19 @@ class CircuitNetwork:
         elements, orifices = joined(self.elements), joined(self.orifices)
         return replace(self, elements=elements, orifices=orifices, tank_ends=tuple(found))
 
+    def with_led_histories(self) -> CircuitNetwork:
+        """Give two knots to every history that a unit sets: where it begins and where it goes."""
+        led = {row for unit in self.units for _, _, row in unit.sets if row >= 0}
+        elements = tuple(
+            replace(element, history=led_history(element.history)) if k in led else element
+            for k, element in enumerate(self.elements)
+        )
+        return replace(self, elements=elements)
+
+    def leads(self, key: str) -> bool:
+        """Whether a unit sets the speed or the torque of the shaft."""
+        return any(row < 0 and what == key for unit in self.units for _, what, row in unit.sets)
+
     def rows(self, places: Mapping[str, int], laws: tuple[type, ...], tables: Tables) -> Array:
         """Rows of the elements as compiled code reads them; their tables join the others.
 
@@ -157,6 +176,11 @@ class CircuitNetwork:
             row[LAW : LAW + len(element.law)] = element.law
             state += element.states
         return rows
+
+
+def led_history(history: Array) -> Array:
+    """Two knots at the first value of a history."""
+    return np.array([[0.0, history[0, 1]], [_LATER, history[0, 1]]])
 
 
 @dataclass(frozen=True, kw_only=True)

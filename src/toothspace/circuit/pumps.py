@@ -8,7 +8,14 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.circuit.history import NO_HISTORY, SpeedHistory, scheduled
+from toothspace.circuit.history import (
+    NO_HISTORY,
+    SpeedHistory,
+    check_history,
+    history,
+    over_time,
+    scheduled,
+)
 from toothspace.circuit.network import (
     FIRST_KNOT,
     FIRST_ROW,
@@ -24,6 +31,7 @@ from toothspace.core.compiled import kernel
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     KeyTable,
+    QuantityKey,
     file_path,
     forbid,
     number,
@@ -216,8 +224,36 @@ class PumpMap(SpeedHistory, FluidPart):
         rows = NO_HISTORY
         if self.table is not None:
             law, rows = MappedPump(self.displacement, slip), _map_rows(self.table)
-        pump = CircuitElement(law, *ends, self.speed_over_time, rows, supplies=True)
+        pump = CircuitElement(law, *ends, self.speed_over_time, rows, supplies=True, turns=True)
         return CircuitNetwork(elements=(pump,))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FlowSource(FluidPart):
+    """``kind = "flow_source"``: flow over time, whatever the pressures are."""
+
+    flow: tuple[tuple[float, float], ...] | None = over_time(
+        QuantityKey(unit="L/min", low=-1e5, high=1e5), "flow"
+    )
+    flow_file: Path | None = file_path("Columns time [s] and flow [L/min].", ".csv", ".txt")
+
+    def __post_init__(self) -> None:
+        check_history(self, "flow")
+
+    @property
+    def draws_alone(self) -> bool:
+        """From the tank of the circuit."""
+        return True
+
+    def build(
+        self, name: str, ends: tuple[str, str], start: float, fluid: FluidLaw
+    ) -> CircuitNetwork:
+        """An ideal pump whose displacement is one, so that its history is its flow."""
+        source = CircuitElement(
+            SupplyPump(1.0, 0.0, 1.0, 0.0), *ends, history(self, "flow", "L/min"), supplies=True
+        )
+        return CircuitNetwork(elements=(source,))
 
 
 def _map_rows(path: Path) -> Array:

@@ -70,9 +70,6 @@ class Coupling(KeyTable):
     damping: float = quantity("N m s/rad", "Torque per slip.", low=0, high=1e6, default=0.0)
 
 
-SHAFT_PARTS = (SpeedSource, Fan, Inertia, Coupling, TorqueSource)
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class FreeShaft:

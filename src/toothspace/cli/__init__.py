@@ -49,6 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # the process ends with this: its memory need not be searched for cycles before
         atexit.register(gc.freeze)
+    _open_closed_streams()
     try:
         load_linear_algebra()
         from toothspace.cli.application import application
@@ -110,6 +111,16 @@ def _unexpected(error: Exception) -> int:
         "TOOTHSPACE_DEBUG=1 shows where it happened.",
         EXIT_UNEXPECTED,
     )
+
+
+def _open_closed_streams() -> None:
+    """Let what is written to a stream that the caller closed vanish, not end up in our files."""
+    while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(handle)
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.dup(number), "w", encoding="utf-8"))
 
 
 def _complain(message: str, code: int) -> int:

@@ -4,31 +4,66 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, final
 
 import typer
+from typer.core import TyperGroup
 
 import toothspace
 from toothspace.cli import machines, output, pages, runs
 from toothspace.cli.output import Force, Json
+from toothspace.core.errors import CaseError
 
 
 def init(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Shipped case, see 'cases'.")],
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="Shipped case, see 'cases'.")
+    ] = None,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to.")] = Path(),
+    new: Annotated[
+        str, typer.Option("--new", metavar="MACHINE", help="Design a machine of this type.")
+    ] = "",
+    displacement: Annotated[str, typer.Option(help="Of a turn, as '14 cm^3'.")] = "",
+    pressure: Annotated[str, typer.Option(help="Outlet pressure, as '210 bar'.")] = "",
+    speed: Annotated[str, typer.Option(help="Shaft speed, as '1500 rpm'.")] = "",
     force: Force = False,
 ) -> None:
-    """Start from a shipped case: copy it with the files that it names."""
+    """Start from a shipped case, or from displacement, pressure and speed of a new machine."""
     import tomllib
 
     from toothspace.case.shipped import copy_case
 
+    given = {"--displacement": displacement, "--pressure": pressure, "--speed": speed}
+    if new:
+        missing = [option for option, text in given.items() if not text]
+        if missing:
+            raise CaseError(missing[0], "nothing", "a number with its unit beside --new")
+        file = _designed(new, Path(name or "."), displacement, pressure, speed, force=force)
+        output.message(f"Written: {file}\nNext: toothspace run {file}, or toothspace app")
+        return
+    if name is None:
+        raise CaseError("NAME", "nothing", "a shipped case, see 'toothspace cases', or --new")
+    unused = next((option for option, text in given.items() if text), None)
+    if unused is not None:
+        raise CaseError(unused, "a value", "leave it out without --new")
     written = copy_case(name, folder, replace=force)
     for path in written:
         output.message(f"Written: {path}")
     tables = tomllib.loads(written[0].read_text(encoding="utf-8"))
     command = next((c for c in ("study", "bearing", "film") if c in tables), "run")
     output.message(f"Next: toothspace {command} {written[0]}")
+
+
+def _designed(
+    machine: str, place: Path, displacement: str, pressure: str, speed: str, *, force: bool
+) -> Path:
+    from toothspace.api import new_case
+    from toothspace.core.files import require_writable, write_text
+
+    file = place if place.suffix == ".toml" else place / f"{machine}.toml"
+    text = new_case(machine, displacement, pressure, speed)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    return write_text(require_writable(file, "DIR", replace=force, endings=(".toml",)), text)
 
 
 def cases(as_json: Json = False) -> None:
@@ -61,8 +96,24 @@ def schema() -> None:
     output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))
 
 
+@final
+class _Commands(TyperGroup):
+    """Commands with their whole first sentence, however narrow the terminal."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands."""
+        rows = [
+            (name, " ".join((command.help or "").partition("\n\n")[0].split()))
+            for name in self.list_commands(ctx)
+            if (command := self.get_command(ctx, name)) is not None
+        ]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
 application = typer.Typer(
     name="toothspace",
+    cls=_Commands,
     help="Simulate hydraulic gear machines.",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -113,6 +164,7 @@ for _command in (
     cases,
     fluids,
     pages.app,
+    pages.animate,
     warmup,
     schema,
 ):

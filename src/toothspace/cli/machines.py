@@ -167,10 +167,6 @@ def gear(
         output.message(f"Warning: {warning}")
     length = None if distance is None else read_quantity("--center-distance", distance, "mm")
     found = file_report(contents, length)
-    if as_json:
-        output.write(found, as_json=True)
-    else:
-        output.write_tables(found)
     fits = {
         one.name or f"gear {number + 1}": one.detected.involute
         for number, one in enumerate(contents.gears)
@@ -184,6 +180,11 @@ def gear(
         output.message(f"Picture: {plot}")
     if case is not None:
         _draft(files, unit, request, case)
+    # after the files, as its reader may leave early
+    if as_json:
+        output.write(found, as_json=True)
+    else:
+        output.write_tables(found)
 
 
 def _draft(files: Sequence[Path], unit: str, request: SectionRequest, target: Path) -> None:

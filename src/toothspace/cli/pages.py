@@ -67,6 +67,8 @@ def compare(
     from toothspace.results.solution import load_solution
 
     comparison = Comparison(load_solution(first), load_solution(second))
+    # before the text, whose reader may leave early
+    written = None if target is None else comparison.write(target)
     if as_json:
         output.write(comparison.to_dict(), as_json=True)
     else:
@@ -78,8 +80,34 @@ def compare(
         output.message(f"Warning: {warning}")
     for finding in comparison.finding_lines():
         output.message(finding)
-    if target is not None:
-        output.message(f"Comparison: {comparison.write(target)}")
+    if written is not None:
+        output.message(f"Comparison: {written}")
+
+
+def animate(
+    source: Annotated[
+        Path, typer.Argument(metavar="CASE_OR_RESULT", help="Case to be run, or RESULT.nc.")
+    ],
+    film: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="GIF, or MP4 by ffmpeg.")
+    ],
+    frames: Annotated[int, typer.Option(min=4, max=720, help="Pictures of one pitch.")] = 36,
+    force: Force = False,
+) -> int:
+    """Draw a machine that turns, coloured by pressure, with forces and a cursor in a curve."""
+    from toothspace.api import load_case, simulate
+    from toothspace.plotting.animation import ENDINGS, write_animation
+    from toothspace.results.solution import load_solution
+
+    target = require_writable(film, "-o", replace=force, endings=ENDINGS)
+    with output.progress(f"{source.stem}:") as progress:
+        if source.suffix == ".nc":
+            solution = load_solution(source)
+        else:
+            solution = simulate(load_case(source), progress)
+        write_animation(solution, target, frames, progress)
+    output.message(f"Moving picture: {target}")
+    return 0 if solution.status.succeeded else NUMERICAL_FAILURE
 
 
 def validate(
@@ -116,18 +144,24 @@ def app(
         Path, typer.Argument(metavar="DIR", help="Folder of case files and of files they name.")
     ] = Path(),
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port, 0 for a free one.")] = 0,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; other than 127.0.0.1, others get in.")
+    ] = "127.0.0.1",
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
 ) -> None:
-    """Fill in a case in the browser and run it, on this computer alone."""
+    """Design a machine in the browser, on this computer alone: it answers while you change it."""
     if not folder.is_dir():
         raise CaseError(folder, "no folder", "one with case files")
     import webbrowser
 
-    from toothspace.app.server import FormServer, Session
+    from toothspace.app.server import HOST, BenchServer
 
-    with FormServer(Session(folder), port) as server:
-        output.message(f"Open {server.address}\nEnd with Ctrl-C.")
+    server = BenchServer(folder, port, host)
+    if host != HOST:
+        output.message("Warning: whoever reaches this address and knows the token gets in.")
+    output.message(f"Open {server.address}\nEnd with Ctrl-C.")
+    with server.door() as door:
         if browser:
-            webbrowser.open(server.address)
+            webbrowser.open(door)
         with suppress(KeyboardInterrupt):
-            server.serve_forever()
+            server.serve()

@@ -29,7 +29,7 @@ from toothspace.cli.output import (
     read_quantity,
 )
 from toothspace.core.errors import CaseError
-from toothspace.core.files import require_writable, write_bytes
+from toothspace.core.files import require_writable
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.status import Status
 
@@ -264,9 +264,21 @@ def fmu(
         str,
         typer.Option(
             metavar="KIND",
-            help="tables: a unit of steady runs; full: UNIT.machine, the whole machine for C.",
+            help="tables: a unit of steady runs; full: the whole machine, as UNIT.fmu or, for "
+            "programs in C, UNIT.machine.",
         ),
     ] = "tables",
+    fmi: Annotated[
+        str, typer.Option(metavar="VERSION", help="FMI of the whole machine: 2 or 3.")
+    ] = "2",
+    flow: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PORT",
+            help="Port of the whole machine whose flow is the input, not its pressure: inlet or "
+            "outlet; repeatable.",
+        ),
+    ] = None,
     pressure: Annotated[
         list[str] | None,
         typer.Option(help="Pressure difference of the tables, as '50 bar'; repeatable."),
@@ -286,18 +298,24 @@ def fmu(
     overrides: Overrides = None,
     force: Force = False,
 ) -> int:
-    """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
+    """Write a machine as a functional mock-up unit for simulators of systems (FMI)."""
     if model not in {"tables", "full"}:
         raise CaseError("--model", repr(model), "'tables' or 'full'")
-    endings = (".machine",) if model == "full" else (".fmu",)
+    if model == "tables" and (fmi != "2" or flow):
+        option, found = ("--flow", repr(flow[0])) if flow else ("--fmi", repr(fmi))
+        raise CaseError(option, found, "that option with --model full only")
+    endings = (".fmu", ".machine") if model == "full" else (".fmu",)
     target = require_writable(unit, "-o", replace=force, endings=endings)
     case = load(case_file, overrides)
     if model == "full":
-        from toothspace.fmi.machine_file import machine_file
+        from toothspace.fmi.machine_unit import export_machine
 
-        with named(case_file):
-            write_bytes(target, machine_file(case, drive=drive))
-        output.message(f"Machine: {target}, read by the functions of toothspace.h")
+        with named(case_file), output.progress(case.title) as progress:
+            export_machine(case, target, drive=drive, flows=flow or (), fmi=fmi, progress=progress)
+        if target.suffix == ".machine":
+            output.message(f"Machine: {target}, read by the functions of toothspace.h")
+        else:
+            output.message(f"Unit: {target}, the whole machine for FMI {fmi}.0")
         return 0
     from toothspace.fmi.export import write_fmu
 

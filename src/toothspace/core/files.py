@@ -6,6 +6,7 @@ import hashlib
 import math
 import os
 import reprlib
+import secrets
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -46,16 +47,14 @@ def draft_of(target: str | Path) -> Iterator[Path]:
     target, draft = Path(target), None
     try:
         with interrupts_held():
-            handle, name = tempfile.mkstemp(
-                dir=target.parent, prefix=f".{target.name[:_LONGEST_PREFIX]}.", suffix=".part"
-            )
-            os.close(handle)
-            draft = Path(name)
+            name = f".{target.name[:_LONGEST_PREFIX]}.{secrets.token_hex(8)}.part"
+            # with the permissions that the user gives to new files
+            os.close(os.open(target.parent / name, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666))
+            draft = target.parent / name
         yield draft
         with draft.open("rb") as file:
             # a network disk may say only now that it is full
             os.fsync(file.fileno())
-        draft.chmod(0o644)
         draft.replace(target)
     except BaseException:
         if draft is not None:

@@ -36,6 +36,7 @@ from toothspace.core.units import (
 )
 
 _METADATA = "toothspace.key"
+_MOST_UNKNOWN = 20
 _LONGEST_FOUND = 80
 _QUANTITY_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*|\s+1/)[A-Za-zµμ°].*$"
 
@@ -44,10 +45,12 @@ Schema = dict[str, Any]
 
 def require(owner: object, reason: str, *names: str) -> None:
     """Refuse a missing key that another choice makes compulsory."""
+    problems = Problems()
     for name in names:
         if getattr(owner, name) is None:
             wanted = keys_of(type(owner))[name][0].allowed()
-            raise CaseError(name, "nothing", f"{wanted}; this key is compulsory {reason}")
+            problems.append(Problem(name, "nothing", f"{wanted}; this key is compulsory {reason}"))
+    problems.settle()
 
 
 def forbid(owner: object, reason: str, *names: str) -> None:
@@ -203,7 +206,10 @@ class QuantityKey(Bounded, Key):
     unit: str
 
     def allowed(self) -> str:
-        example = f"{dimension_name(self.unit)} with its unit in quotes, such as '1 {self.unit}'"
+        name = dimension_name(self.unit)
+        if self.doc.startswith("Absolute") and name == "a pressure":
+            name = "an absolute pressure"
+        example = f"{name} with its unit in quotes, such as '1 {self.unit}'"
         return f"{example}{self.limits(f' {self.unit}')}"
 
     def read(self, raw: Any, source: Source) -> float:
@@ -359,8 +365,11 @@ class FilePath(Key):
                 self.fail(shown(raw))
         if not isinstance(raw, (str, Path)) or not str(raw).strip() or "\0" in str(raw):
             self.fail(shown(raw))
-        file = (getattr(raw, "folder", source.folder) / Path(raw)).resolve()
         name = shown(str(raw))
+        try:
+            file = (getattr(raw, "folder", source.folder) / Path(raw)).resolve()
+        except (OSError, RuntimeError):
+            self.fail(f"{name}, whose links lead back to themselves")
         if file.suffix.lower() not in self.suffixes:
             self.fail(f"{name} with the ending {shown(file.suffix)}")
         wrong = _fault_of(file)
@@ -512,12 +521,25 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 def _keep_unknown(problems: Problems, raw: Mapping[str, Any], known: Iterable[str]) -> None:
     """Record unknown keys, with the nearest known one."""
-    names = list(known)
-    for name in raw:
-        if name not in names:
-            hint = suggestion(str(name), names) or "no keys"
-            shown_name = str(name) if str(name).isprintable() else repr(name)
-            problems.append(Problem(shown_name, "an unknown key", hint))
+    names = dict.fromkeys(known)
+    unknown = [name for name in raw if name not in names]
+    for name in unknown[:_MOST_UNKNOWN]:
+        hint = suggestion(str(name), names) or "no keys"
+        shown_name = str(name) if str(name).isprintable() else repr(name)
+        problems.append(Problem(shown_name, "an unknown key", hint))
+    if len(unknown) > _MOST_UNKNOWN:
+        found = f"{len(unknown) - _MOST_UNKNOWN} more unknown keys"
+        problems.append(Problem("", found, ", ".join(names) or "no keys"))
+
+
+def _compulsory(key: Key, name: str, source: Source) -> Problems:
+    """What is missing where a compulsory key is: of a table all that it must hold."""
+    problems = Problems()
+    if isinstance(key, Table):
+        problems.of(name, key.read, {}, source)
+    if not problems:
+        problems.append(Problem(name, "nothing", key.allowed()))
+    return problems
 
 
 @final
@@ -557,7 +579,7 @@ class Table(Key):
             if given is not None:
                 values[name] = problems.of("" if name in named else name, key.read, given, source)
             elif dataclass_field.default is MISSING:
-                problems.append(Problem(name, "nothing", key.allowed()))
+                problems += _compulsory(key, name, source)
         problems.settle()
         return values
 

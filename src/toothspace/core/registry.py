@@ -16,7 +16,12 @@ from toothspace.core.errors import CaseError
 ENTRY_POINT_GROUP = "toothspace.machines"
 STUDIES = "toothspace.studies"
 """Package of the studies, and group of entry points."""
-OPTIONAL = {"export_profiles": "cad", "draft_case": "cad", "evaluate_designs": "designs"}
+OPTIONAL = {
+    "export_profiles": "cad",
+    "draft_case": "cad",
+    "evaluate_designs": "designs",
+    "new_case": "new_case",
+}
 """Functions that not all machine types have, and the module of its package that holds each."""
 
 

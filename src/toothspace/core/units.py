@@ -11,8 +11,9 @@ import re
 from dataclasses import dataclass
 from functools import cache
 from numbers import Real
-from typing import Any, final
+from typing import Any, NamedTuple, final
 
+from toothspace.core.common_units import COMMON_UNITS
 from toothspace.core.errors import CaseError
 
 ATMOSPHERIC_PRESSURE = 101325.0
@@ -120,23 +121,43 @@ def _unit(text: str) -> Any:
         raise CaseError("", f"an unknown unit {text!r}", _A_UNIT) from error
 
 
-@cache
-def _scale(unit: str) -> tuple[float, float]:
-    """Return factor and offset of a unit to SI base units."""
-    registry = _registry()
+class UnitFacts(NamedTuple):
+    """What conversions need to know of a unit."""
+
+    factor: float
+    offset: float
+    """To SI base units: value times factor plus offset."""
+    dimension: str
+    """Exponents of the dimensions, such as ``length1 time-1``."""
+    base: str
+    """SI base unit of what it measures, such as ``kg/m/s**2``."""
+
+
+def registry_facts(unit: str) -> UnitFacts:
+    """Facts of a unit as the registry of Pint finds them."""
+    found, registry = _unit(unit), _registry()
     try:
-        zero = registry.Quantity(0.0, _unit(unit)).to_root_units().magnitude
-        one = registry.Quantity(1.0, _unit(unit)).to_root_units().magnitude
+        zero = registry.Quantity(0.0, found).to_root_units().magnitude
+        one = registry.Quantity(1.0, found).to_root_units().magnitude
     except ArithmeticError as error:
         raise CaseError("", f"an unknown unit {unit!r}", _A_UNIT) from error
-    return float(one - zero), float(zero)
+    powers = sorted(found.dimensionality.items())
+    dimension = " ".join(f"{name.strip('[]')}{power:g}" for name, power in powers)
+    base = f"{registry.get_base_units(found)[1]:~C}"
+    return UnitFacts(float(one - zero), float(zero), dimension, base)
+
+
+@cache
+def _facts(unit: str) -> UnitFacts:
+    known = COMMON_UNITS.get(unit)
+    return registry_facts(unit) if known is None else UnitFacts(*known)
 
 
 @cache
 def dimension_name(unit: str) -> str:
     """Return the name of what a unit measures, with its article, for messages."""
     for known, name in _NAMES.items():
-        if _unit(known).dimensionality == _unit(unit).dimensionality:
+        if compatible(known, unit):
             return name
     return f"a value in {unit}"
 
@@ -158,13 +179,13 @@ def to_si(value: float, unit: str) -> float:
     >>> to_si(200.0, "bar")
     20000000.0
     """
-    factor, offset = _scale(unit)
+    factor, offset, *_ = _facts(unit)
     return value * factor + offset
 
 
 def from_si(value: float, unit: str) -> float:
     """Convert an SI number to a unit; the inverse of :func:`to_si`. [unit]."""
-    factor, offset = _scale(unit)
+    factor, offset, *_ = _facts(unit)
     return (value - offset) / factor
 
 
@@ -186,10 +207,9 @@ def exact_text(value: float, unit: str) -> str:
     return f"{value!r} {si_unit(unit)}"
 
 
-@cache
 def si_unit(unit: str) -> str:
     """Return the SI base unit of what a unit measures, such as ``kg/m/s**2``."""
-    return f"{_registry().get_base_units(_unit(unit))[1]:~C}"
+    return _facts(unit).base
 
 
 @final
@@ -266,7 +286,7 @@ def split_quantity(text: str) -> tuple[float, str]:
     match = _matched(text)
     if match is None or not match[2] or not math.isfinite(float(match[1])):
         raise CaseError("", repr(text), "a number with its unit, such as '1 mm'")
-    _unit(match[2])
+    _facts(match[2])
     return float(match[1]), match[2]
 
 
@@ -280,7 +300,7 @@ def _short(text: str) -> str:
 
 def compatible(unit: str, other: str) -> bool:
     """Tell whether two units measure the same thing."""
-    return bool(_unit(unit).dimensionality == _unit(other).dimensionality)
+    return _facts(unit).dimension == _facts(other).dimension
 
 
 def is_quantity(value: object) -> bool:

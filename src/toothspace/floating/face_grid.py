@@ -188,7 +188,8 @@ class BasisFunctions:
     def fit(self, values: Array) -> Array:
         """Coefficients of the least-squares fit of a field. [as the field]."""
         moments = self._round.T @ ((self._weight * values) @ self._along)
-        return np.asarray(cho_solve(self._gram, moments.ravel()))
+        # fields of films that are lost have no numbers; the step that they lead to tells it
+        return np.asarray(cho_solve(self._gram, moments.ravel(), check_finite=False))
 
     def combine(self, coefficients: Array) -> Array:
         """Field with given coefficients. [as the coefficients]."""

@@ -363,7 +363,8 @@ def _friction(task: _StepTask, v: Array, slides: tuple[int, ...] | None, holding
         return np.array([-f.force(float(w @ v))[0] for w, f in zip(levers, laws, strict=True)])
     found, stuck = np.zeros(len(levers)), iter(holding)
     for k, sense in enumerate(slides):
-        found[k] = next(stuck) if sense == 0 else -sense * task.loads.law(k).coulomb_force
+        # a search that is left just as a bearing comes to rest has no force for it yet
+        found[k] = next(stuck, 0.0) if sense == 0 else -sense * task.loads.law(k).coulomb_force
     return found
 
 

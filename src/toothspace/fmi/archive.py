@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -32,7 +33,7 @@ _OPTIONS = ("-std=c99", "-O2", "-fPIC", "-shared")
 _FIRST_DAY = (1980, 1, 1, 0, 0, 0)
 """Time of all files in the archive: the same case gives the same bytes."""
 
-_UNITS: dict[str, tuple[dict[str, int], dict[str, float]]] = {
+UNITS: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     "Pa": ({"kg": 1, "m": -1, "s": -2}, {"bar": 1e-5}),
     "m3/s": ({"m": 3, "s": -1}, {"L/min": 6e4}),
     "rad/s": ({"rad": 1, "s": -1}, {"rpm": 30.0 / np.pi}),
@@ -40,6 +41,8 @@ _UNITS: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     "N.m": ({"kg": 1, "m": 2, "s": -2}, {}),
     "W": ({"kg": 1, "m": 2, "s": -3}, {}),
     "kg.m2": ({"kg": 1, "m": 2}, {}),
+    "m": ({"m": 1}, {"um": 1e6}),
+    "s": ({"s": 1}, {}),
     "1": ({}, {}),
 }
 """Exponents of the SI base units, and units for display with their factors."""
@@ -172,17 +175,22 @@ def fmu_archive(
         f"sources/{_DATA}": data.encode(),
         "resources/case.toml": case_text.encode(),
     }
-    target, suffix = _platform()
+    target, suffix = platform_folder()
     if compiler is not None:
         binary = _compiled(source, data, name + suffix, compiler)
         contents[f"binaries/{target}/{name}{suffix}"] = binary
+    return packed(contents), target if compiler is not None else ""
+
+
+def packed(contents: Mapping[str, bytes]) -> bytes:
+    """Archive of files by their paths; the same contents give the same bytes."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in contents.items():
             entry = zipfile.ZipInfo(path, _FIRST_DAY)
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
-    return buffer.getvalue(), target if compiler is not None else ""
+    return buffer.getvalue()
 
 
 def found_compiler() -> str | None:
@@ -190,7 +198,7 @@ def found_compiler() -> str | None:
     return program_named("cc", "gcc", "clang")
 
 
-def _platform() -> tuple[str, str]:
+def platform_folder() -> tuple[str, str]:
     """Folder of binaries in FMI 2.0 and the ending of a library."""
     system = {"win32": ("win", ".dll"), "darwin": ("darwin", ".dylib")}
     name, suffix = system.get(sys.platform, ("linux", ".so"))
@@ -312,7 +320,7 @@ def _description(tables: xr.Dataset, variables: list[FmuVariable], name: str, to
         generationTool=f"toothspace {toothspace.__version__}",
         variableNamingConvention="flat",
     )
-    kind = _part(
+    kind = part(
         root,
         "CoSimulation",
         modelIdentifier=name,
@@ -320,41 +328,58 @@ def _description(tables: xr.Dataset, variables: list[FmuVariable], name: str, to
         canGetAndSetFMUstate="true",
         canNotUseMemoryManagementFunctions="true",
     )
-    _part(_part(kind, "SourceFiles"), "File", name=SOURCE)
-    units = _part(root, "UnitDefinitions")
-    for unit, (exponents, shown) in _UNITS.items():
-        entry = _part(units, "Unit", name=unit)
-        _part(entry, "BaseUnit", **{base: str(power) for base, power in exponents.items()})
-        for other, factor in shown.items():
-            _part(entry, "DisplayUnit", name=other, factor=repr(float(factor)))
-    categories = _part(root, "LogCategories")
+    part(part(kind, "SourceFiles"), "File", name=SOURCE)
+    add_units(root, UNITS)
+    categories = part(root, "LogCategories")
     for category in ("logStatusWarning", "logStatusError"):
-        _part(categories, "Category", name=category)
+        part(categories, "Category", name=category)
     pitch = float(tables["period"]) / float(tables["shaft_speed"].max())
-    _part(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=f"{pitch / 24:.1g}")
-    listed = _part(root, "ModelVariables")
+    part(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=f"{pitch / 24:.1g}")
+    listed = part(root, "ModelVariables")
     for reference, one in enumerate(variables):
         if one.causality:
-            for_display = next(iter(_UNITS[one.units][1]), "")
-            about = {"unit": one.units} | ({"displayUnit": for_display} if for_display else {})
+            about = unit_attributes(one.units)
             start = {} if one.causality == "output" else {"start": repr(one.start)}
             entry = _scalar(listed, one.name, reference, one.causality, one.description)
-            _part(entry, "Real", **about, **start)
+            part(entry, "Real", **about, **start)
     for reference, (word, causality, meaning) in enumerate(_BOOLEANS):
         entry = _scalar(listed, word, reference, causality, meaning)
-        _part(entry, "Boolean", **({"start": "true"} if causality == "parameter" else {}))
-    structure = _part(root, "ModelStructure")
+        part(entry, "Boolean", **({"start": "true"} if causality == "parameter" else {}))
+    structure = part(root, "ModelStructure")
     for group in ("Outputs", "InitialUnknowns"):
-        members = _part(structure, group)
+        members = part(structure, group)
         for number, entry in enumerate(listed, start=1):
             if entry.get("causality") == "output":
-                _part(members, "Unknown", index=str(number))
+                part(members, "Unknown", index=str(number))
+    return document(root)
+
+
+def document(root: ElementTree.Element) -> str:
+    """Text of an XML file."""
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
-def _part(parent: ElementTree.Element, tag: str, **attributes: str) -> ElementTree.Element:
+def add_units(root: ElementTree.Element, names: Iterable[str]) -> None:
+    """Add the definitions of units, with those for display."""
+    units = part(root, "UnitDefinitions")
+    for unit in names:
+        exponents, shown = UNITS[unit]
+        entry = part(units, "Unit", name=unit)
+        part(entry, "BaseUnit", **{base: str(power) for base, power in exponents.items()})
+        for other, factor in shown.items():
+            part(entry, "DisplayUnit", name=other, factor=repr(float(factor)))
+
+
+def unit_attributes(unit: str) -> dict[str, str]:
+    """Attributes of a variable: its unit, and the first one for display."""
+    for_display = next(iter(UNITS[unit][1]), "")
+    return {"unit": unit} | ({"displayUnit": for_display} if for_display else {})
+
+
+def part(parent: ElementTree.Element, tag: str, **attributes: str) -> ElementTree.Element:
+    """Add an element to another one."""
     return ElementTree.SubElement(parent, tag, attributes)
 
 
@@ -362,7 +387,7 @@ def _scalar(
     parent: ElementTree.Element, name: str, reference: int, causality: str, meaning: str
 ) -> ElementTree.Element:
     discrete = "discrete" if name == "within_table" else "continuous"
-    return _part(
+    return part(
         parent,
         "ScalarVariable",
         name=name,

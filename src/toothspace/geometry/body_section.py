@@ -263,9 +263,11 @@ def _corner_chain(local: Array, edges: NDArray[np.int64], above: NDArray[np.bool
         fewer, more = more, fewer
     if not shapely.LinearRing(more).is_simple:
         return None
-    chords = chord_heights(more).max(initial=0.0)
-    distance = shapely.distance(shapely.points(fewer), shapely.LinearRing(more))
-    return more if distance.max() <= _CHAIN_DISTANCE * chords + 1e-9 else None
+    reach = _CHAIN_DISTANCE * chord_heights(more).max(initial=0.0) + 1e-9
+    ring = shapely.LinearRing(more)
+    # prepared, it looks for near edges in a tree, not at all of them
+    shapely.prepare(ring)
+    return more if shapely.dwithin(ring, shapely.points(fewer), reach).all() else None
 
 
 FEWEST_LOBES = 3

@@ -102,6 +102,8 @@ class ContactPair:
     """Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``."""
     squeeze_film: bool = False
     """Whether liquid between the surfaces resists their approach."""
+    part: float = 1.0
+    """Part of the face width of one contact, where lines of contact are cut in slices. [-]"""
     facing_gap: float = math.inf
     """Gap from which on the surfaces face away from each other and cannot touch. [m]"""
     own: tuple[PeriodicTable, ...] = ()

@@ -213,6 +213,21 @@ class StartupFriction:
 
 @final
 @dataclass(frozen=True)
+class Winding:
+    """Teeth that wind about the axes of their bodies."""
+
+    turn_per_length: float
+    """Shaft angle by which sections along the axis lead, positive where the shaft's teeth are
+    right-handed. [rad/m]
+    """
+    twist: float
+    """Shaft angle between the sections at both ends. [rad]"""
+    section: MachineDescription
+    """The machine with the section of the middle over its whole width."""
+
+
+@final
+@dataclass(frozen=True)
 class MachineDescription:
     """A machine as the solver sees it.
 
@@ -224,6 +239,8 @@ class MachineDescription:
         Geometric volume per shaft radian, single flank. [m3/rad]
     bodies, motions, families, paths, journals, laterals, contacts, mesh
         Parts, see their classes.
+    winding : Winding or None
+        How teeth wind about the axes; None where they run along them.
     seal_torque : float
         Constant shaft seal torque. [N m]
     free_blocks : FreeBlocks or None
@@ -274,6 +291,7 @@ class MachineDescription:
     laterals: tuple[LumpedLateralFilm, ...] = ()
     contacts: tuple[ContactPair, ...] = ()
     mesh: RigidMesh | None = None
+    winding: Winding | None = None
     seal_torque: float = 0.0
     free_blocks: FreeBlocks | None = None
     startup: StartupFriction | None = None

@@ -15,6 +15,7 @@ References
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -96,6 +97,15 @@ def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
         raise ValueError(f"pattern has {n_total} rows and {n} columns; rows >= columns are needed")
     own = np.eye(n, dtype=bool)
     basis = own if basis is None else basis | own
+    return _analysed(pattern.tobytes(), basis.tobytes(), n)
+
+
+@lru_cache(maxsize=16)
+def _analysed(pattern_bytes: bytes, basis_bytes: bytes, n: int) -> LuProgram:
+    """Program of patterns as bytes: the machines of one case have the same."""
+    pattern = np.frombuffer(pattern_bytes, dtype=bool).reshape(-1, n)
+    basis = np.frombuffer(basis_bytes, dtype=bool).reshape(-1, n)
+    n_total = len(pattern)
     core = pattern[:n] | basis
     graph = core.copy()
     np.fill_diagonal(graph, False)
@@ -122,7 +132,7 @@ def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
     rows, columns = np.nonzero(core)
     rank = np.argsort(order)
     ledger_rows, ledger_columns = np.nonzero(pattern[n:])
-    basis_rows, basis_columns = np.nonzero(basis & ~own)
+    basis_rows, basis_columns = np.nonzero(basis & ~np.eye(n, dtype=bool))
     return LuProgram(
         order=_index(order),
         dense=np.array([int(filled.mean() > _DENSE_SHARE)]),

@@ -121,7 +121,7 @@ def gear_section(
         data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
         ports = {p: colours(scale(float(data[f"{p}_pressure"]) / _BAR)) for p in _PORTS}
         spaces = colours(scale(np.asarray(data["chamber_pressure"]) / _BAR))
-        _draw_section(axes, description, float(data["shaft_angle"]), ports, spaces)
+        draw_section(axes, description, float(data["shaft_angle"]), ports, spaces)
         axes.set_title(f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle")
     for axes in panels[len(fractions) :]:
         axes.remove()
@@ -160,11 +160,11 @@ def machine_section(description: MachineDescription, shaft_angle: float = 0.0) -
     figure = new_figure(4.6, 0.3 + 4.6 * (high - low) / (right - left))
     spaces = np.ones((description.chamber_count, 4))
     ports = {"inlet": to_rgba(BLUE, 0.45), "outlet": to_rgba(ORANGE, 0.6)}
-    _draw_section(figure.subplots(), description, shaft_angle, ports, spaces)
+    draw_section(figure.subplots(), description, shaft_angle, ports, spaces)
     return figure
 
 
-def _draw_section(
+def draw_section(
     axes: Axes,
     description: MachineDescription,
     shaft_angle: float,

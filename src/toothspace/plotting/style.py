@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, final
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, final
 
 import numpy as np
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 
 P = ParamSpec("P")
+R = TypeVar("R")
 
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
@@ -87,11 +88,11 @@ _MOST_LINES = 8
 _UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
 
 
-def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
     """Make a drawing function use the style without touching global settings."""
 
     @functools.wraps(draw)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         import matplotlib as mpl
         from cycler import cycler
 

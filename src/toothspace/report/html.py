@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from toothspace.advice.findings import findings_of, limits_of, verdict
+from toothspace.advice.findings import change_first, findings_of, limits_of, verdict
 from toothspace.api import machine_of
 from toothspace.case.presets import INTERFACES, MODELS
 from toothspace.core.files import draft_of, path_of, require_ending, write_text
@@ -165,9 +165,8 @@ def report_html(
     for key, title in _CHAPTERS.items():
         shown = [(e.name, e.caption, figure_to_svg(f)) for e, f in figures if e.chapter == key]
         if shown:
-            picture = turning if key == "pressure" else ""
-            chapters.append({"key": key, "title": title, "figures": shown, "turning": picture})
-    return render("report.html.j2", chapters=chapters, **contents)
+            chapters.append({"key": key, "title": title, "figures": shown})
+    return render("report.html.j2", chapters=chapters, turning=turning, **contents)
 
 
 def report_contents(
@@ -196,6 +195,7 @@ def report_contents(
     ]
     return {
         "verdict": verdict(solution),
+        "change_first": change_first(solution, findings),
         "status": solution.status,
         "key_numbers": [quantity(n, summary[n]) for n in names if n in summary and n != held],
         "summary": {name: quantity(name, value) for name, value in summary.items()},

@@ -8,11 +8,17 @@ from typing import Any
 
 from toothspace.core.files import write_text
 from toothspace.plotting.style import figure_to_svg
-from toothspace.report.page import format_value, quantity, render
+from toothspace.report.page import format_value, quantity, render, shown_unit
 from toothspace.studies.study import StudyResult, StudyTable, study_figures
 
 _LONGEST_TABLE = 400
 _WIDEST_TABLE = 12
+_GOALS = (
+    ("overall_efficiency", max, "Most efficient"),
+    ("max_chamber_pressure_bar", min, "Lowest peak"),
+    ("pressure_ripple_bar", min, "Quietest"),
+)
+"""Number, which of its values is best, and what a point with it is called."""
 
 
 def write_study_report(result: StudyResult, path: str | Path) -> Path:
@@ -44,6 +50,7 @@ def study_report_html(result: StudyResult) -> str:
             if isinstance(value, (int, float, str)) and name != "status"
         ],
         figures=[(f.name, f.caption, figure_to_svg(f.figure)) for f in figures],
+        answer=[sentence for table in result.tables[:1] for sentence in best_points(table)],
         tables=[_table(table) for table in result.tables],
         provenance=[(k.replace("_", " "), v or "none") for k, v in provenance.items()],
         case_toml=result.provenance.get("case_toml", ""),
@@ -69,12 +76,38 @@ def _table(table: StudyTable) -> dict[str, Any]:
     }
 
 
-def _heading(name: str) -> str:
-    """Key paths stay as they are in a case file."""
-    if "." in name:
-        return name
+def best_points(table: StudyTable) -> list[str]:
+    """Sentences on the points of a table at which its numbers are best; none where they are equal.
+
+    Each names the values that were varied there.
+    """
+    head, said = list(table.head), []
+    varied = [k for k, name in enumerate(head) if "." in name]
+    for name, goal, text in _GOALS:
+        if name not in head or not varied or len(table.rows) < 2:
+            continue
+        column = head.index(name)
+        values = [row[column] for row in table.rows]
+        known = [k for k, v in enumerate(values) if isinstance(v, float) and math.isfinite(v)]
+        found = [_cell(values[k]) for k in known]
+        if len(set(found)) < 2:
+            continue
+        best = goal(known, key=lambda k: float(values[k]))
+        label, value, unit = quantity(name, values[best])
+        places = ", ".join(f"{_heading(head[k])[0]} {_cell(table.rows[best][k])}" for k in varied)
+        said.append(f"{text}: {label.lower()} {value} {unit}".rstrip() + f" at {places}.")
+    return said
+
+
+def _heading(name: str) -> tuple[str, str]:
+    """Name of a column in plain words with its unit, and the key behind it if it is one."""
+    key, bracket, unit = name.partition(" (")
+    if "." in key:
+        words = key.removeprefix("machine.").replace(".", ", ").replace("_", " ")
+        text = words[:1].upper() + words[1:]
+        return f"{text}{bracket}{shown_unit(unit)}", key
     label, _, unit = quantity(name, "")
-    return f"{label} ({unit})" if unit else label
+    return (f"{label} ({unit})" if unit else label), name
 
 
 def _cell(value: float | str) -> str:

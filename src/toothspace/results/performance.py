@@ -186,6 +186,10 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     if "contact_force" in data:
         # of elastic teeth the contact ratio under load
         numbers["mean_loaded_contacts"] = mean_loaded_contacts(data)
+    if "axial_force" in data:
+        # of the body on which it is largest
+        forces = np.asarray(data["axial_force"].mean("shaft_angle"))
+        numbers["axial_force_N"] = float(forces[np.argmax(np.abs(forces))])
     numbers["mass_balance_error"] = ledger.mass_balance_error
     numbers["energy_balance_error"] = ledger.energy_balance_error
     torque = means_by_label(data, "torque_loss")

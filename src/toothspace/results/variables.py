@@ -57,6 +57,8 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("face_film_height", "sample body", "m", "Smallest film height between a body and its covers"),
     ("body_force", "sample body axis", "N", "Force of the fluid pressure on a body"),
     ("body_moment", "sample body", "N m", "Moment of the fluid pressure about the axis of a body"),
+    ("axial_force", "sample body", "N",
+     "Axial force of pressure and helical teeth on a body, positive along z"),
     ("journal_force", "sample body axis", "N", "Force of the journal bearings on a body"),
     ("journal_eccentricity_ratio", "sample body", "1", "Eccentricity over journal clearance"),
     ("journal_film_height", "sample journal", "m", "Smallest film height in a journal bearing"),
@@ -105,7 +107,8 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("running_in_depth", "body casing_angle", "m", "Depth cut into the casing by running-in"),
     ("dense_angle", "dense_angle", "rad",
      "Angle of the drive shaft at the states that spectra come from, whatever the samples are"),
-    ("contact_loaded_share", "contact", "1", "Share of a revolution in which a contact carries"),
+    ("contact_loaded_share", "contact", "1",
+     "Share of a revolution in which a contact carries, times its part of the face width"),
     ("tip_gap_minimum", "tip", "m",
      "Smallest gap of tips along a wall, negative where they would cut in and roughness is kept"),
     ("vapour_collapse_power", "", "W", "Mean power that collapsing vapour sets free"),
@@ -185,7 +188,7 @@ STEADY = (
     "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
     "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
     "bearing_position_um", "loaded_contacts_two_or_more", "loaded_contacts_three_or_more",
-    "contact_span", *LATERAL,
+    "contact_span", "axial_force_N", *LATERAL,
 )  # fmt: skip
 """Of a run at an operating point; films add some."""
 OVER_TIME = (

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.conditions import FluidChoice
 from toothspace.circuit.circuit import build_circuit
+from toothspace.circuit.network import led_history
 from toothspace.circuit.restrictions import ReliefValve
 from toothspace.circuit.shaft_loads import shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
@@ -175,6 +177,10 @@ def _circuit_condition(
     assert keys is not None
     circuit = build_circuit(keys, description.port_volumes, fluid)
     shaft, speed = shaft_of(keys.elements.values()), speed_of(keys.elements.values())
+    if speed is not None and circuit.leads("speed"):
+        speed = led_history(speed)
+    if shaft is not None and circuit.leads("torque"):
+        shaft = replace(shaft, load_history=led_history(shaft.load_history))
     low = circuit.supply_pressure
     elements = keys.elements.values()
     relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]

@@ -18,6 +18,8 @@ from toothspace.solver.lost_flow import SEEN, openings
 from toothspace.solver.outcome import attributes_of
 
 _JOINING_GAP = 5e-6
+_SECTIONS = 48
+"""Sections along the width of helical teeth."""
 
 
 def simulate(run: Run, progress: Progress | None = None) -> Solution:
@@ -77,8 +79,16 @@ def _waves(run: Run, shaft_angle: Array) -> dict[str, Array]:
     description, condition = run.machine, run.condition
     dual_flank = run.case.run.flank_sealing == "dual"
     to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
-    rate = _volume_rates(description, shaft_angle)
-    outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
+    if description.winding is None:
+        outflow = _outflow(description, shaft_angle, dual_flank=dual_flank)
+    else:
+        # every section delivers as that of spur gears, at its own place
+        section, twist = description.winding.section, description.winding.twist
+        parts = [
+            _outflow(section, shaft_angle + lead, dual_flank=dual_flank)
+            for lead in twist * ((np.arange(_SECTIONS) + 0.5) / _SECTIONS - 0.5)
+        ]
+        outflow = np.mean(parts, axis=0)
     torque = (condition.outlet_pressure - condition.inlet_pressure) * outflow
     inlet, outlet = condition.inlet_pressure, condition.outlet_pressure
     return {
@@ -89,6 +99,13 @@ def _waves(run: Run, shaft_angle: Array) -> dict[str, Array]:
         "outlet_pressure": np.full_like(shaft_angle, outlet),
         "chamber_pressure": np.where(to_outlet, outlet, inlet),
     }
+
+
+def _outflow(description: MachineDescription, shaft_angle: Array, *, dual_flank: bool) -> Array:
+    """Volume delivered per shaft angle. [m3/rad]."""
+    to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
+    rate = _volume_rates(description, shaft_angle)
+    return np.asarray(-np.sum(np.where(to_outlet, rate, 0.0), axis=1))
 
 
 def outlet_members(

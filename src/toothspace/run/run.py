@@ -6,10 +6,10 @@ With lateral films from a table, bearing blocks take the position that their loa
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
-from typing import Any, cast, final
+from typing import Any, final
 
 import numpy as np
 
@@ -46,6 +46,7 @@ _BEYOND = (
     "The load on the lateral films is beyond their table in {:.0f} % of the time of turning, and "
     "counts as its edge: make tables over a wider range."
 )
+_NATIVE = "circuit.{} is native code of {}, which ran with the rights of this program"
 _UNSEATED = (
     "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
     "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
@@ -120,45 +121,20 @@ class Run:
 
             system = assemble(self.machine, self.fluid, self.condition)
             found = solve_to_balance(system, solve)
+            units = self.condition.circuit.units if self.condition.circuit else ()
+            for unit in units:
+                found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
             if self.condition.free_shaft is not None and found.status is Status.DONE:
                 found = found.with_note(*standing(found.data))
-            return self._marked(SeatSearch(self.machine).noted(found))
+            return self.marked(SeatSearch(self.machine).noted(found))
         return self.repeated(progress)(self.machine)
 
-    def repeated(
-        self, progress: Progress | None = None
-    ) -> Callable[[MachineDescription], Solution]:
+    def repeated(self, progress: Progress | None = None, begin: History | None = None) -> Marches:
         """Marches to the cyclic state of this machine and of ones that differ in gaps and films.
 
-        Each begins where the last one ended.
+        Each begins where the last one ended, the first where ``begin`` does.
         """
-        case, last = self.case, cast(History | None, None)
-        plan = RunPlan(
-            revolutions=case.run.revolutions,
-            max_revolutions=case.run.max_revolutions,
-            samples_per_revolution=case.run.samples_per_revolution,
-            max_steps=case.run.step_limit(over_time=False),
-        )
-        point = case.operating_point
-        orifice = point is not None and point.outlet_load == "orifice"
-
-        def march(machine: MachineDescription) -> Solution:
-            nonlocal last
-            seats, settled = SeatSearch(machine), False
-            while not settled:
-                system = assemble(seats.machine, self.fluid, self.condition)
-                if orifice:
-                    history, told = march_against_orifice(system, plan, last, progress)
-                else:
-                    state = None if last is None else first_turn_state(last)
-                    history, told = march_to_balance(system, plan, progress, state), ""
-                last = history if history.status is Status.DONE else None
-                found = solution_from(history, self.provenance, self.values, case.title)
-                found = found.short_of(told)
-                settled = seats.agree_with(found)
-            return self._marked(seats.noted(found.with_note(*flow_regimes(history))))
-
-        return march
+        return Marches(self, progress, begin)
 
     @property
     def values(self) -> dict[str, Any]:
@@ -178,10 +154,58 @@ class Run:
             films = "as warm as their own heat and flow make them"
         return {**provenance_of(self.case), **models, "films": films}
 
-    def _marked(self, solution: Solution) -> Solution:
+    def marked(self, solution: Solution) -> Solution:
         """Solution that says where its machine is doubtful: places of bodies, a casing half cut."""
         places = self.machine.face_places
         return self.tracks.marked(solution.short_of("" if places is None else places.warning))
+
+
+@final
+class Marches:
+    """Marches of one run to its cyclic state; each begins where the last one ended.
+
+    Parameters
+    ----------
+    run : Run
+        Machine, fluid and condition.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    begin : History, optional
+        Where the first one begins: the end of a march of a machine with the same parts.
+    """
+
+    def __init__(self, run: Run, progress: Progress | None, begin: History | None) -> None:
+        self._run, self._progress = run, progress
+        self.last = begin
+        """The last march that was done; None where the next one begins anew."""
+
+    def __call__(self, machine: MachineDescription) -> Solution:
+        """March this machine to its cyclic state."""
+        run, case, progress = self._run, self._run.case, self._progress
+        plan = RunPlan(
+            revolutions=case.run.revolutions,
+            max_revolutions=case.run.max_revolutions,
+            samples_per_revolution=case.run.samples_per_revolution,
+            max_steps=case.run.step_limit(over_time=False),
+        )
+        point = case.operating_point
+        orifice = point is not None and point.outlet_load == "orifice"
+        seats, settled = SeatSearch(machine), False
+        while not settled:
+            system = assemble(seats.machine, run.fluid, run.condition)
+            last = self.last
+            if last is not None and last.system.arrays.size != system.arrays.size:
+                last = None
+            if orifice:
+                history, told = march_against_orifice(system, plan, last, progress)
+            else:
+                state = None if last is None else first_turn_state(last)
+                history, told = march_to_balance(system, plan, progress, state), ""
+            self.last = history if history.status is Status.DONE else None
+            found = solution_from(history, run.provenance, run.values, case.title)
+            found = found.short_of(told)
+            settled = seats.agree_with(found)
+        return run.marked(seats.noted(found.with_note(*flow_regimes(history))))
 
 
 def provenance_of(case: Case) -> dict[str, str]:
@@ -305,7 +329,18 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     ready = run.worn(progress).with_films(progress)
     if ready.condition.over_time:
         return ready.march(progress)
-    march, heat = ready.repeated(progress), HeatSearch(ready.case, ready.machine)
+    return _warmed_through(ready, progress).solution
+
+
+def warmed_through(run: Run, progress: Progress | None = None) -> Run:
+    """Run whose films are as warm as its operating point makes them, where the case asks so."""
+    if run.condition.over_time or run.case.heat.model != "coupled":
+        return run
+    return replace(run, machine=_warmed_through(run, progress).machine)
+
+
+def _warmed_through(run: Run, progress: Progress | None) -> HeatSearch:
+    march, heat = run.repeated(progress), HeatSearch(run.case, run.machine)
     while not heat.agree_with(march(heat.machine)):
         pass
-    return heat.solution
+    return heat

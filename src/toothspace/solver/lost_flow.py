@@ -124,8 +124,13 @@ def openings(description: MachineDescription, shaft_angle: Array) -> Array:
         open_area = path.multiplicity * areas(angles)[..., 0]
         port = _PORTS.index(path.category.role)
         area[:, path.nodes_a, port] += np.maximum(open_area, 0.0)
+    # a sample at the very edge of a port is closed, whichever way round-off falls
+    area[area < _ROUND_OFF * area.max(initial=0.0)] = 0.0
     return area
 
+
+_ROUND_OFF = 1e-9
+"""Part of the largest opening below which a chamber is closed. [-]"""
 
 _MOST_VOID = 0.999
 

@@ -139,7 +139,9 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
     if system.arrays.size.contacts:
         found["contact_force"] = seen.contact_force
         carries = seen.contact_force[: max(times.size - 1, 1)] > 0.0
-        values["contact_loaded_share"] = carries.mean(axis=0)
+        pairs = loaded_contacts(system.description, system.condition)
+        part = np.concatenate([np.full(pair.count, pair.part) for pair in pairs])
+        values["contact_loaded_share"] = part * carries.mean(axis=0)
     for name, signal in found.items():
         values[f"{name}_minimum"], values[f"{name}_maximum"] = (
             signal.min(axis=0),
@@ -419,7 +421,59 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
             rigid = contact.geometry(angles)[..., 0]
             gaps.append(displaced_gap(contact, angles, turns, moved) if size.compliant else rigid)
         values["contact_gap"] = np.hstack(gaps)
+    winding = system.description.winding
+    if winding is not None:
+        moments = _tooth_moments(history, seen, values["body_moment"])
+        ratios = np.array([body.speed_ratio for body in system.description.bodies])
+        values["axial_force"] = -winding.turn_per_length * ratios * moments
     return values
+
+
+def _tooth_moments(history: History, seen: Observation, moment: Array) -> Array:
+    r"""Moments of pressures and contacts about the axes of the bodies. [N m].
+
+    Notes
+    -----
+    Teeth that turn by :math:`\kappa_b` per length act on a body that shifts by z as if it had
+    turned by :math:`-\kappa_b z`, so that :math:`F_b = -\kappa_b M_b` is their axial force.
+    Together these moments do the work of the pressures over the shaft angle:
+    :math:`\sum_b i_b M_b = \sum_i p_i\,dV_i/d\varphi` with the speed ratios :math:`i_b`.
+    """
+    system, angle = history.system, history.states[:, 0]
+    description = system.description
+    names = [body.name for body in description.bodies]
+    moments = moment.copy()
+    for motion in system.free_motions:
+        entry = description.motions[motion]
+        if entry.axis == "rotation":
+            own = names.index(entry.body)
+            moments[:, own] += _contact_moment(description, seen, angle, motion)
+    rates = [
+        family.angle_ratio
+        * family.volume.derivative(family.phases + family.angle_ratio * angle[:, None])[..., 0]
+        for family in description.families
+    ]
+    work = np.sum(seen.pressure[:, : description.chamber_count] * np.hstack(rates), axis=1)
+    ratios = np.array([body.speed_ratio for body in description.bodies])
+    shaft = [body.role for body in description.bodies].index("shaft")
+    moments[:, shaft] = 0.0
+    moments[:, shaft] = work - moments @ ratios
+    return moments
+
+
+def _contact_moment(
+    description: MachineDescription, seen: Observation, angle: Array, motion: int
+) -> Array:
+    """Moment of compliant contacts on a rotation. [N m]."""
+    total, column = np.zeros(angle.size), 0
+    for pair in description.contacts:
+        force = seen.contact_force[:, column : column + pair.count]
+        if force.shape[1] < pair.count:
+            return total  # a rigid mesh has the loaded flanks only, and balances the body
+        lever = pair.gap_by_motion(pair.phases + pair.angle_ratio * angle[:, None])[..., motion]
+        total += np.sum(force * lever, axis=1)
+        column += pair.count
+    return total
 
 
 def _body_positions(history: History) -> Array:

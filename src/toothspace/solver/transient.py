@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
+from toothspace.circuit.history import NO_HISTORY
 from toothspace.closures.friction import STUCK, next_direction
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.progress import Progress
@@ -19,7 +20,8 @@ from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver import outcome
-from toothspace.solver.compiled_model import hold_shaft, observe
+from toothspace.solver.co_simulation import CoSimulation
+from toothspace.solver.compiled_model import hold_shaft
 from toothspace.solver.cyclic import History
 from toothspace.solver.flow_regime import FlowRegimes
 from toothspace.solver.initial import start_state
@@ -62,23 +64,29 @@ class TransientMarch:
     statistics: dict[str, float] = field(default_factory=dict)
     regimes: FlowRegimes = field(init=False)
     """Largest Reynolds and Taylor numbers of the samples so far."""
+    exchange: CoSimulation = field(init=False)
+    """Units of other programs beside it."""
     first: Array = field(default_factory=lambda: np.zeros(0))
     last: Array = field(default_factory=lambda: np.zeros(0))
     time: float = 0.0
 
     def __post_init__(self) -> None:
         self.regimes = FlowRegimes(self.system)
+        self.exchange = CoSimulation(self.system)
 
     def chunks(self, progress: Progress | None = None) -> Iterator[tuple[Array, Array]]:
         """Yield times [s] and states of whole cells until the end, a failure or an interrupt."""
         state = start_state(self.system)
         self.first = self.last = state
-        settle(self.system, state, 0.0)
-        march = start_march(self.system, state, self.plan.max_steps)
         try:
+            self.exchange.meet(0.0, state)
+            settle(self.system, state, 0.0)
+            march = start_march(self.system, state, self.plan.max_steps)
             yield from self._march(march, progress)
         except KeyboardInterrupt:
             self.status = Status.INTERRUPTED
+        finally:
+            self.exchange.close()
 
     def _march(self, march: March, progress: Progress | None) -> Iterator[tuple[Array, Array]]:
         plan = self.plan
@@ -101,13 +109,15 @@ class TransientMarch:
         """States at the times; restarts at kinks of schedules and where the shaft switches."""
         parts: list[Array] = []
         begin = times[0] - (times[1] - times[0])
+        end = times[-1]
         schedule = self.system.condition.speed_schedule
         circuit = self.system.condition.circuit
         tables = [e.history for e in circuit.elements] if circuit else []
         knots = np.unique(np.concatenate([table[:, 0] for table in (schedule, *tables)]))
         if knots.size > _KINKS:
             knots = np.unique(schedule[:, 0])
-        for kink in [*(float(knot) for knot in knots if begin < knot <= times[-1]), None]:
+        own = (float(knot) for knot in knots if begin < knot <= end)
+        for kink in [*sorted({*self.exchange.until(end), *own}), None]:
             until = times.size if kink is None else int(np.searchsorted(times, kink, "right"))
             ahead = times[sum(map(len, parts)) : until]
             if kink is not None and (ahead.size == 0 or ahead[-1] < kink):
@@ -118,9 +128,10 @@ class TransientMarch:
                 break
             if kink is not None:
                 state = march.state.y.copy()
-                speed = self.system.condition.speed_schedule
+                speed = self._speed()
                 if len(speed):
                     state[1] = np.interp(kink, speed[:, 0], speed[:, 1])
+                self.exchange.meet(kink, state)
                 settle(self.system, state, kink)
                 march.restart(kink, state)
         return np.vstack(parts)
@@ -146,6 +157,15 @@ class TransientMarch:
                 settle(self.system, state, time)
             march.restart(time, state)
         return np.vstack(parts)
+
+    def _speed(self) -> Array:
+        """Prescribed speed over time, as the case or a unit gives it."""
+        condition = self.system.condition
+        if condition.circuit is None or not condition.circuit.leads("speed"):
+            return condition.speed_schedule
+        drive, schedule = self.system.arrays.drive, self.system.arrays.schedule
+        first = int(drive[col.SPEED_KNOT])
+        return schedule[first : first + 2]
 
 
 def settle(system: System, state: Array, time: float) -> None:
@@ -250,6 +270,7 @@ def _append(march: TransientMarch, stream: SampleStream, times: Array, states: A
             march.plan.samples_per_cell,
         )
     )
+    march.exchange.forget()
 
 
 def _history(march: TransientMarch, times: Any, states: Any) -> History:
@@ -262,29 +283,22 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     """Everything that is kept of a chunk, at its samples."""
     system = march.system
     history = _history(march, times, states)
-    seen = observe(system.arrays, states, times)
+    seen = march.exchange.observed(states, times)
     march.regimes.look(states, seen, _LOOKS)
     sign = -1.0 if system.description.mode == "motor" else 1.0
     ports, circuit = outcome.port_values(history, seen), system.condition.circuit
-    pumps = [e for e in circuit.elements if e.supplies] if circuit else []
+    pumps = [
+        march.exchange.history(("speed", k), element.history)
+        for k, element in enumerate(circuit.elements if circuit else ())
+        if element.turns
+    ]
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
         ports["shaft_torque"] = np.where(states[:, 1] == 0.0, 0.0, ports["shaft_torque"])
-    shaft, place = system.condition.free_shaft, system.arrays.size.load
-    if shaft is None or shaft.coupling is None:
-        loads = {"load_torque": _load(system, times, states[:, 1])}
-    else:
-        speed, twist = states[:, place + 1], states[:, place]
-        torque = shaft.coupling.stiffness * twist + shaft.coupling.damping * (states[:, 1] - speed)
-        loads = {
-            "load_torque": _load(system, times, speed),
-            "load_speed": speed,
-            "coupling_torque": torque,
-        }
     return {
         **ports,
-        **loads,
-        "supply_speed": np.interp(times, *pumps[0].history.T) if pumps else np.zeros(times.size),
+        **_load_values(system, times, states, _load_history(march)),
+        "supply_speed": np.interp(times, *pumps[0].T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
         "node_pressure": seen.pressure[:, list(_nodes(system).values())],
         **outcome.chamber_values(system, seen),
@@ -294,14 +308,34 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     }
 
 
-def _load(system: System, times: Array, speed: Array) -> Array:
+def _load_history(march: TransientMarch) -> Array:
+    shaft = march.system.condition.free_shaft
+    given = NO_HISTORY if shaft is None else shaft.load_history
+    return march.exchange.history(("torque", -1), given)
+
+
+def _load_values(system: System, times: Array, states: Array, history: Array) -> dict[str, Array]:
+    """Torque of the load, and its speed and the torque of the coupling where it has its own."""
+    shaft, place = system.condition.free_shaft, system.arrays.size.load
+    if shaft is None or shaft.coupling is None:
+        return {"load_torque": _load(system, times, states[:, 1], history)}
+    speed, twist = states[:, place + 1], states[:, place]
+    torque = shaft.coupling.stiffness * twist + shaft.coupling.damping * (states[:, 1] - speed)
+    return {
+        "load_torque": _load(system, times, speed, history),
+        "load_speed": speed,
+        "coupling_torque": torque,
+    }
+
+
+def _load(system: System, times: Array, speed: Array, history: Array) -> Array:
     shaft = system.condition.free_shaft
     if shaft is None:
         return np.zeros(times.size)
     torque = shaft.linear * speed + shaft.square * speed * abs(speed)
     torque += shaft.cubic * speed**3
-    if len(shaft.load_history):
-        torque += np.interp(times, *shaft.load_history.T)
+    if len(history):
+        torque += np.interp(times, *history.T)
     return np.asarray(torque)
 
 

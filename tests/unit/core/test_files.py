@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import tempfile
 import threading
 import time
 import weakref
@@ -139,14 +138,14 @@ def test_a_signal_while_a_place_is_tried_leaves_nothing(
 def test_a_signal_while_a_draft_is_made_leaves_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = tempfile.mkstemp
+    opened = os.open
 
-    def make(*names: Any, **options: Any) -> tuple[int, str]:
-        found = made(*names, **options)
+    def make(*names: Any, **options: Any) -> int:
+        found = opened(*names, **options)
         signal.raise_signal(signal.SIGTERM)
         return found
 
-    monkeypatch.setattr(tempfile, "mkstemp", make)
+    monkeypatch.setattr(os, "open", make)
     with ending_interrupts(), pytest.raises(KeyboardInterrupt):
         write_text(tmp_path / "report.html", "text")
     assert not list(tmp_path.iterdir())

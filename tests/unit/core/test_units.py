@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 import time
 
 import pytest
 
+from toothspace.core import units
+from toothspace.core.common_units import COMMON_UNITS
 from toothspace.core.errors import CaseError
 from toothspace.core.units import (
     compatible,
@@ -132,3 +136,17 @@ def test_dimensions_have_names() -> None:
     assert not compatible("rad/s", "Hz")
     assert dimension_name("cm^3/rev") == "a displacement"
     assert dimension_name("N m/rpm") == "a value in N m/rpm"
+
+
+def test_common_units_are_those_of_the_registry() -> None:
+    for unit, known in COMMON_UNITS.items():
+        assert units.UnitFacts(*known) == units.registry_facts(unit), unit
+
+
+def test_a_shipped_case_is_read_without_the_registry() -> None:
+    """What stands in every case costs no import of the registry."""
+    program = (
+        "import sys; from toothspace.case import load_case; load_case('egm12_pump');"
+        "load_case('egm12_motor'); sys.exit('pint' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

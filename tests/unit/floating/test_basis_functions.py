@@ -48,3 +48,10 @@ def test_gap_changes_are_the_basis_functions_at_centres_and_edges(basis: BasisFu
         np.testing.assert_allclose(found, wanted, atol=1e-12)
     rate = sum(size * lift.rate for size, lift in zip(coefficients, gap_changes, strict=True))
     np.testing.assert_allclose(rate, 50.0 * p.y, atol=1e-10)
+
+
+def test_fields_of_lost_films_have_no_coefficients(basis: BasisFunctions) -> None:
+    """A search that loses its films goes on to say so; it ended with a traceback."""
+    field = basis.combine(np.ones(basis.count))
+    field[0, 0] = np.nan
+    assert np.isnan(basis.fit(field)).all()

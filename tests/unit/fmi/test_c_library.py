@@ -18,6 +18,7 @@ from toothspace.core.errors import CaseError
 from toothspace.fmi.machine_file import machine_file
 from toothspace.model import arrays as col
 from toothspace.model.assembly import assemble, node_places
+from toothspace.run.run import warmed_through
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
 
@@ -75,7 +76,7 @@ def created(library: ctypes.CDLL, path: Path) -> Machine:
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("machine") / "gerotor.machine"
-    path.write_bytes(machine_file(api.load_case(CASE)))
+    path.write_bytes(machine_file(api.load_case(CASE)).content)
     return path
 
 
@@ -87,7 +88,7 @@ def machine(library: ctypes.CDLL, file: Path) -> Iterator[Machine]:
 
 
 def test_pressures_are_those_of_the_march_in_python(machine: Machine) -> None:
-    run = api.prepare(api.load_case(CASE)).worn().with_films()
+    run = warmed_through(api.prepare(api.load_case(CASE)).worn().with_films())
     condition = replace(run.condition, load_area=0.0, circuit=None)
     system = assemble(run.machine, run.fluid, condition)
     times = STEP * np.arange(1, 41)
@@ -151,7 +152,7 @@ def test_a_motor_starts_from_rest_when_its_load_lets_it(
 ) -> None:
     path = tmp_path / "motor.machine"
     case = api.load_case(REPOSITORY / "cases" / "egm12_motor.toml")
-    path.write_bytes(machine_file(case, drive="torque"))
+    path.write_bytes(machine_file(case, drive="torque").content)
     motor = created(library, path)
     assert motor.get("shaft_speed") == 0.0
     motor.set("load_torque", 40.0)

@@ -36,8 +36,10 @@ def _ways(study: LateralStudy) -> tuple[np.ndarray, np.ndarray]:
 def test_bearing_rises_and_stays_higher_on_the_way_down(name: str) -> None:
     study = _study(name)
     assert study.status is Status.DONE
+    # bodies bend: films grow where the rigid face hardly moves
+    films = [float(np.mean(point.numbers.gaps)) for point in study.points]
+    assert np.all(np.diff(films[: len(films) // 2 + 1]) >= 0.05e-6)
     up, down = _ways(study)
-    assert np.all(np.diff(up) >= -REST)
     assert up[-1] > up[0] + 1e-6
     assert np.all(down >= up - REST)
     assert (down - up).max() > 0.1e-6

@@ -22,7 +22,8 @@ TELL = 0.05e-6
 
 
 def _nose_case() -> Case:
-    case = load_case(CASES / "nose_pressure.toml")
+    """Case with its outlet at 55 degrees, where speed decides how many spaces hold pressure."""
+    case = load_case(CASES / "nose_pressure.toml", ["machine.casing.outlet_angle=55 deg"])
     return replace(case, run=replace(case.run, film_grid=(84, 10), film_angles_per_pitch=4))
 
 
@@ -63,15 +64,15 @@ def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
 def test_claims_about_nose_and_speed_on_the_shipped_case() -> None:
     """Low pressure fast, low pressure slow, high pressure fast, five nose pressures each.
 
-    Against the source, speed is more than secondary (claim ``fuel_pump_nose`` of the validation
-    book, which fails).
+    Against the source, friction holds the bearing at low pressure and speed (claim
+    ``fuel_pump_nose`` of the validation book, which fails).
     """
     study = solve_path(load_case(CASES / "nose_pressure.toml"))
     assert study.status is Status.DONE
     fast, slow, high = np.array([p.numbers.position for p in study.points]).reshape(3, 5)
     assert np.ptp(fast) > TELL
-    assert np.ptp(slow) > TELL
     assert np.ptp(high) < TELL
-    held = [abs(p.numbers.friction_force) / p.breakaway_force for p in study.points[10:]]
-    assert max(held) < 0.8
-    assert abs(fast[0] - slow[0]) > np.ptp(slow)
+    held = np.reshape(study.held_by_friction, (3, 5))
+    assert not held[0].any()
+    assert held[1:].all()
+    assert np.ptp(slow) < TELL

@@ -35,6 +35,16 @@ LIBRARY = FILES.get(sys.platform, "libtoothspace.so")
 CALLER = "caller.pyd" if sys.platform == "win32" else "caller.abi3.so"
 """File name of what calls its entries with arguments of Python."""
 
+UNIT = LIBRARY.replace("toothspace", "toothspace_unit")
+"""File name of the library that is the binary of every unit of a whole machine."""
+
+MODEL = "model.o"
+UNIT_SOURCES = (
+    *("toothspace.h", "machine.c", "memory.c", "digest.c"),
+    *("unit.h", "unit.c", "fmi2.c", "fmi3.c"),
+)
+"""What that library is linked from: object code of the model, and sources in C."""
+
 NEEDED = 'compiled code is missing, allowed after pip install "toothspace[jit]"'
 """What is said where neither the library nor Numba can be had."""
 

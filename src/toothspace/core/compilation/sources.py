@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
 import re
+import shutil
+import tempfile
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
@@ -89,7 +92,18 @@ def digest_of_sources(module: str | None = None) -> str:
 def cache_root() -> Path:
     """Folder of all that is kept: ``TOOTHSPACE_CACHE``, or one in the user's cache folder."""
     base = os.environ.get("TOOTHSPACE_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "toothspace"
+    return (Path(base) if base else _user_cache()) / "toothspace"
+
+
+@cache
+def _user_cache() -> Path:
+    """The user's cache folder; one for this process alone, where the user has no home."""
+    try:
+        return Path.home() / ".cache"
+    except RuntimeError:
+        made = tempfile.mkdtemp(prefix="toothspace-")
+        atexit.register(shutil.rmtree, made, ignore_errors=True)
+        return Path(made)
 
 
 def compiled_folder() -> Path:

@@ -81,7 +81,7 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     elif spec.center_distance is not None:
         pair = pair_from_center_distance(drive, driven, spec.center_distance)
     else:
-        pair = pair_from_backlash(drive, driven, spec.keys.gears.normal_backlash or 0.0)
+        pair = pair_from_backlash(drive, driven, spec.keys.gears.transverse_backlash)
     distance = pair.center_distance if pair is not None else _profile_distance(spec, profiles)
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     mesh = _centred_mesh(teeth, distance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
@@ -17,7 +18,7 @@ from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import as_drawn, design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import MachineDescription, Winding
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -40,8 +41,13 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     journals, displaced = gear_bodies.journal_bearings(assembly), displacement(assembly)
     families = drive.chambers(gear_bodies.BODIES[0]), driven.chambers(gear_bodies.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
-    checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
+    helix, section = spec.helix, (families, paths, contacts)
+    if helix is not None:
+        families = helix.family(families[0]), helix.family(families[1])
+        paths = tuple(helix.path(path) for path in paths)
+        contacts = helix.contact(contacts[0]), helix.contact(contacts[1])
+    checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
     own = own_teeth(assembly, numbering, spaces)
     if own is not None:
         widths = spec.drive.face_width, spec.driven.face_width
@@ -50,13 +56,17 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         loaded, coast = contacts
         left = assembly.loaded_is_left
         contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
+    # films beside helical gears see another section at each face: closed forms serve there
+    laterals = lateral_films(assembly, numbering)
+    if helix is not None:
+        laterals = tuple(replace(film, face=None) for film in laterals)
     balance = None
-    if spec.floating_block is not None:
+    if spec.floating_block is not None and helix is None:
         # with the bodies that bend, most of the machine's modules
         from toothspace.machines.external_gear.floating.balance import lateral_balance
 
         balance = lateral_balance(assembly, numbering)
-    return MachineDescription(
+    machine = MachineDescription(
         name="external_gear",
         mode=keys.use,
         displacement=displaced,
@@ -65,7 +75,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         families=families,
         paths=paths,
         journals=journals,
-        laterals=lateral_films(assembly, numbering),
+        laterals=laterals,
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
@@ -82,6 +92,11 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         checks=checks,
         as_drawn=as_drawn(assembly),
     )
+    if helix is None:
+        return machine
+    families, paths, contacts = section
+    spur = replace(machine, families=families, paths=paths, contacts=contacts)
+    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur))
 
 
 MACHINE = MachineType("external_gear", describe)

@@ -140,7 +140,7 @@ def _check_pair(
     try:
         if distance is not None:
             return pair_from_center_distance(first, second, distance).center_distance
-        backlash = machine.gears.normal_backlash or 0.0
+        backlash = machine.gears.transverse_backlash
         return pair_from_backlash(first, second, backlash).center_distance
     except GeometryError as error:
         own = error.problems[0].key.startswith("driven_gear")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, cast, final
 
@@ -35,6 +35,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
     ReliefGrooves,
 )
+from toothspace.gearing.helix import Helix
 from toothspace.gearing.materials import Material
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.geometry.gear_profile import GearProfile
@@ -138,13 +139,76 @@ class GearParameters(MeshingGearParameters):
     tooth_deviations: Path | None = file_path(
         "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
     )
+    helix_angle: float = quantity(
+        "deg",
+        "Helix angle at the reference circle, 0 for spur gears; module, pressure angle, shift, "
+        "dedendum, tool tip and backlash are then those of the normal section.",
+        low=0,
+        high=45,
+        default=0.0,
+    )
+    helix_hand: str | None = choice(
+        "Hand of the drive gear's teeth, default right; the driven gear has the other one.",
+        "right",
+        "left",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
+        if self.helix_angle > 0.0:
+            reason = "with a helix_angle (teeth are then generated, all alike)"
+            forbid(self, reason, "profile", "tooth_deviations")
+        else:
+            forbid(self, "with spur gears", "helix_hand")
         if self.profile_teeth == "own":
             require(self, 'with profile_teeth = "own"', "profile")
             forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
         super().__post_init__()
         forbid_unread(self)
+
+    @property
+    def slope(self) -> float:
+        """Cosine of the helix angle. [-]."""
+        return math.cos(self.helix_angle)
+
+    @property
+    def transverse_backlash(self) -> float:
+        """Play of the flanks along the line of action of the transverse section. [m]."""
+        # sin(beta_b) = sin(beta) cos(alpha_n)
+        base = math.asin(math.sin(self.helix_angle) * math.cos(self.pressure_angle or 0.0))
+        return (self.normal_backlash or 0.0) / math.cos(base)
+
+    def involute_gear(self, table: str) -> InvoluteGear:
+        r"""Return the generated gear in the transverse section.
+
+        Raises GeometryError if the tooth is impossible, with the key in the given table.
+
+        Notes
+        -----
+        .. math:: m_t = \frac{m_n}{\cos\beta}, \quad
+            \tan\alpha_t = \frac{\tan\alpha_n}{\cos\beta}, \quad x_t = x_n \cos\beta
+
+        Lengths in modules change alike, so that they stay the same in mm.
+
+        References
+        ----------
+        .. [1] ISO 21771:2007, Gears: cylindrical involute gears and gear pairs, section 4.
+        """
+        if self.helix_angle == 0.0:
+            return super().involute_gear(table)
+        assert self.module is not None
+        assert self.pressure_angle is not None
+        radius = self.tool_tip_radius
+        return replace(
+            self,
+            helix_angle=0.0,
+            helix_hand=None,
+            module=self.module / self.slope,
+            pressure_angle=math.atan(math.tan(self.pressure_angle) / self.slope),
+            profile_shift=self.profile_shift * self.slope,
+            dedendum=self.dedendum * self.slope,
+            tool_tip_radius=None if radius is None else radius * self.slope,
+        ).involute_gear(table)
 
 
 @final
@@ -557,6 +621,15 @@ class ExternalGearSpec:
     """Relief grooves of the faces, None without."""
     floating_block: FloatingBlock | None = None
     """Force balance of the floating bearing, None without."""
+
+    @property
+    def helix(self) -> Helix | None:
+        """How the teeth wind about the axes; None for spur gears."""
+        gears = self.keys.gears
+        if gears.helix_angle == 0.0 or not isinstance(self.drive.tooth, InvoluteGear):
+            return None
+        angle = -gears.helix_angle if gears.helix_hand == "left" else gears.helix_angle
+        return Helix(angle, self.drive.tooth, self.drive.face_width)
 
     @property
     def shaft_radius(self) -> float:

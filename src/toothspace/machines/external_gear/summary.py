@@ -28,10 +28,12 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.helix import Helix
 from toothspace.gearing.meshing import (
     contact_range,
     contact_ratio,
     displacement,
+    flow_over_pitch,
     flow_ripple,
     path_of_contact,
 )
@@ -41,7 +43,11 @@ from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.flow_paths import grooves_by_port, port_opening_lengths
+from toothspace.machines.external_gear.flow_paths import (
+    bore,
+    grooves_by_port,
+    port_opening_lengths,
+)
 from toothspace.machines.external_gear.spec import Gear
 from toothspace.model.description import ChamberFamily, FlowPath, LumpedJournalBearing
 
@@ -77,7 +83,8 @@ def geometry_summary(
         backlash, undercut = pair.normal_backlash, any(form.undercut for form in pair.forms)
     first, second = (profile.base_radius for profile in assembly.profiles)
     angle = np.arccos((first + second) / distance) if first and second else None
-    trapped, dead = trapped_volumes(assembly, spaces)
+    helix = assembly.spec.helix
+    ripple = flow_ripple(assembly) if helix is None else helix.ripple(flow_over_pitch(assembly))
     return {
         **tooth_data(assembly),
         "displacement_cm3_per_rev": displacement(assembly) * 2e6 * np.pi,
@@ -89,12 +96,47 @@ def geometry_summary(
         "normal_backlash_mm": backlash * 1e3,
         "base_diameter_mm": None if first is None else 2e3 * first,
         "operating_pressure_angle_deg": None if angle is None else float(np.rad2deg(angle)),
-        "flow_ripple_percent": 100.0 * flow_ripple(assembly),
-        "trapped_volume_mm3": trapped * 1e9,
-        "dead_volume_mm3": dead * 1e9,
+        "flow_ripple_percent": 100.0 * ripple,
+        **(_enclosed(assembly, spaces) if helix is None else _helix_numbers(assembly, helix)),
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
+
+
+def _enclosed(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
+    trapped, dead = trapped_volumes(assembly, spaces)
+    return {"trapped_volume_mm3": trapped * 1e9, "dead_volume_mm3": dead * 1e9}
+
+
+def _helix_numbers(assembly: Assembly, helix: Helix) -> dict[str, object]:
+    """How the teeth wind; no volume is enclosed over the whole width at once."""
+    return {
+        "helix_angle_deg": float(np.rad2deg(helix.angle)),
+        "face_twist_deg": float(np.rad2deg(helix.twist)),
+        "overlap_ratio": helix.overlap_ratio,
+        "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
+    }
+
+
+def _helix_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    """Whether a tooth space that follows the helix is shut between the ports at the bores."""
+    helix = assembly.spec.helix
+    if helix is None:
+        return ()
+    checks = []
+    for gear, name in enumerate(("drive", "driven")):
+        casing, ratio = bore(assembly, gear), 1.0 if gear == 0 else assembly.mesh.ratio
+        sealed = 2.0 * np.pi - casing.inlet_angle - casing.outlet_angle - helix.twist * ratio
+        teeth = float(sealed / assembly.teeth[gear].pitch_angle)
+        checks.append(
+            DesignCheck(
+                f"teeth that seal along the helix, {name} gear", teeth, "1", "at least 1",
+                teeth >= 1.0,
+                "A tooth space that still meets the inlet at one end while the other end is open "
+                "to the outlet joins both ports: less helix, a narrower gear or a longer bore.",
+            )
+        )  # fmt: skip
+    return tuple(checks)
 
 
 def tooth_data(assembly: Assembly) -> dict[str, object]:
@@ -288,7 +330,7 @@ def design_checks(
     """
     mesh = enclosed_mesh(assembly, spaces)
     short, *opened = opening_checks(families, paths, displacement(assembly), 0.0, mesh.condition)
-    if not short.passed:
+    if not short.passed and assembly.spec.helix is None:
         short = replace(short, reason=short.reason + sealing_edge(mesh))
     spec = assembly.spec
     running_in: tuple[DesignCheck, ...] = ()
@@ -296,7 +338,7 @@ def design_checks(
     if spec.keys.casing.wear_in is not None:
         bearing = spec.keys.journal_bearings
         running_in = (
-            *trapping_checks(mesh),
+            *(trapping_checks(mesh) if spec.helix is None else ()),
             *strength_checks(
                 assembly,
                 assembly.profiles,
@@ -307,6 +349,7 @@ def design_checks(
         )
     return (
         *_tooth_checks(assembly),
+        *_helix_checks(assembly),
         casing_cut_check(assembly),
         *running_in,
         short,

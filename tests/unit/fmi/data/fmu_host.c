@@ -37,6 +37,20 @@ static void logged(void *environment, const char *name, int status, const char *
     (void)environment;
 }
 
+/* Place of the resources: those of the folder in which "binaries/PLATFORM/LIBRARY" lies. */
+static const char *resources_of(const char *path)
+{
+    static char uri[2000];
+    snprintf(uri, sizeof uri, "file://%s", path);
+    for (int k = 0; k < 3; k++) {
+        char *end = strrchr(uri, '/');
+        if (end != NULL)
+            *end = '\0';
+    }
+    strncat(uri, "/resources", sizeof uri - strlen(uri) - 1);
+    return uri;
+}
+
 static void *library;
 
 static void *function(const char *name)
@@ -70,7 +84,7 @@ int main(int count, char **words)
     void (*release)(void *) = function("fmi2FreeInstance");
 
     const Callbacks callbacks = {logged, calloc, free, NULL, NULL};
-    void *unit = instantiate("unit", 1, words[2], "", &callbacks, 0, 0);
+    void *unit = instantiate("unit", 1, words[2], resources_of(words[1]), &callbacks, 0, 0);
     if (unit == NULL)
         return 3;
     unsigned wanted[MOST], late[MOST];

@@ -1,0 +1,149 @@
+"""How fast the bench in the browser follows and answers: `python -m benchmarks.bench_page`.
+
+Drives the page in Chromium over shipped machines: time to the first paint, frames while a handle is
+dragged, round trips of the drawing, answers from the last cyclic state and in full, memory of all
+processes. Writes `benchmarks/results/bench_page.json`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import statistics
+import tempfile
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import psutil
+from playwright.sync_api import sync_playwright
+
+from toothspace.app.server import BenchServer
+
+TARGET = Path(__file__).parent / "results" / "bench_page.json"
+MACHINES = {
+    "egm12_pump": "machine.relief_grooves.closing_side_offset",
+    "fuel14_pump": "machine.relief_grooves.closing_side_offset",
+    "gerotor_trochoidal": "machine.rotors.tip_clearance",
+    "crescent_pump": "machine.relief_grooves.closing_side_offset",
+}
+"""Shipped machines and the dimension that is changed."""
+ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+CHANGES = 4
+
+
+def until(page: Any, holds: str, longest: float = 120.0) -> None:
+    end = time.monotonic() + longest
+    while not page.evaluate(holds):
+        if time.monotonic() > end:
+            raise TimeoutError(holds)
+        page.wait_for_timeout(20)
+
+
+def processor_time() -> float:
+    """Of the server and its processes, which does not hang on what else the computer does. [s]."""
+    own = psutil.Process()
+    every = [own, *(p for p in own.children(recursive=True) if "python" in p.name())]
+    return sum(p.cpu_times().user + p.cpu_times().system for p in every)
+
+
+def answer_cost(server: BenchServer, design: str, path: str) -> dict[str, float]:
+    """Processor time of drawings and answers, asked for without the page."""
+    bench = server.bench
+    value = next(handle for handle in bench.look(design, {})["handles"] if handle["path"] == path)
+    costs: dict[str, list[float]] = {"look": [], "answer": [], "full": []}
+    for k in range(CHANGES):
+        given = {path: f"{value['value'] * (1.0 - 0.01 * (k + 1)):.6g} {value['unit']}"}
+        started = processor_time()
+        bench.look(design, {"values": given, "drag": True})
+        costs["look"].append(processor_time() - started)
+        bench.change(design, {"values": given})
+        started = processor_time()
+        bench.answer(design, {})
+        costs["answer"].append(processor_time() - started)
+    started = processor_time()
+    bench.answer(design, {"full": True})
+    costs["full"].append(processor_time() - started)
+    return {f"{name}_processor_s": round(statistics.median(c), 3) for name, c in costs.items()}
+
+
+def measure(page: Any, name: str, path: str) -> dict[str, Any]:
+    began = time.perf_counter()
+    design = page.evaluate(
+        "async name => (await (await fetch('/api/designs', {method: 'POST', "
+        "body: JSON.stringify({case: name})})).json()).id",
+        name,
+    )
+    page.evaluate("id => { location.hash = id; }", design)
+    until(page, f"bench.design?.id === '{design}' && bench.answers.some(a => a.full)")
+    opened = time.perf_counter() - began
+    slider = page.locator(f".dimension[data-path='{path}'] input[type=text]")
+    for k in range(CHANGES):
+        count = page.evaluate("bench.answers.length")
+        slider.focus()
+        page.keyboard.press("ArrowUp" if k % 2 else "ArrowDown")
+        until(page, f"bench.answers.length > {count}")
+    page.wait_for_timeout(200)
+    frames, group = [], page.locator(f"#handles [data-path='{path}'] circle").last
+    if group.count():
+        page.evaluate("bench.frames.length = 0")
+        box = group.bounding_box()
+        x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+        page.mouse.move(x, y)
+        page.mouse.down()
+        for step in range(60):
+            page.mouse.move(x + 0.2 * (step % 10), y)
+        page.mouse.up()
+        frames = page.evaluate("bench.frames.map(f => f.paint)")
+    answers, looks = page.evaluate("bench.answers"), page.evaluate("bench.looks")
+    quick = [a["ms"] / 1e3 for a in answers if not a["full"]][1:]
+    return {
+        "open_to_settled_s": round(opened, 2),
+        "answer_median_s": round(statistics.median(quick), 3),
+        "answer_worst_s": round(max(quick), 3),
+        "look_median_ms": round(statistics.median(looks), 1),
+        "paint_median_ms": round(statistics.median(frames), 2) if frames else None,
+        "paint_worst_ms": round(max(frames), 2) if frames else None,
+    }
+
+
+def main() -> None:
+    browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as running:
+        server = BenchServer(Path(folder))
+        thread = threading.Thread(target=server.serve, daemon=True)
+        thread.start()
+        chromium = running.chromium.launch(executable_path=browser, args=ARGUMENTS)
+        page = chromium.new_page(viewport={"width": 1400, "height": 900})
+        page.set_default_timeout(120_000)
+        began = time.perf_counter()
+        page.goto(server.address)
+        page.wait_for_selector("#questions .card")
+        found: dict[str, Any] = {
+            "cores": os.cpu_count(),
+            "load_average": round(os.getloadavg()[0], 1),
+            "first_page_s": round(time.perf_counter() - began, 3),
+        }
+        paint = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime"
+        found["first_paint_ms"] = page.evaluate(paint)
+        for name, path in MACHINES.items():
+            found[name] = measure(page, name, path)
+            page.goto(server.address.partition("?")[0])  # nothing asks meanwhile
+            page.wait_for_selector("#questions .card")
+            newest = server.bench.workspace.designs()[0]["id"]
+            found[name] |= answer_cost(server, newest, path)
+            print(name, found[name], flush=True)
+        own = psutil.Process()
+        processes = [own, *(p for p in own.children(recursive=True) if "python" in p.name())]
+        found["memory_MB"] = round(sum(p.memory_full_info().pss for p in processes) / 1e6)
+        chromium.close()
+        server.stop()
+        thread.join(20.0)
+    TARGET.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+    print(json.dumps(found, indent=2))
+
+
+if __name__ == "__main__":
+    main()

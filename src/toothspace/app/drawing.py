@@ -1,0 +1,163 @@
+"""A machine as the browser draws it: outlines from its tables, handles, numbers and rules."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from toothspace.app.handles import handles_of
+from toothspace.case import Case
+from toothspace.core.files import plain
+from toothspace.core.registry import machine_type
+from toothspace.core.types import Array
+from toothspace.model.description import MachineDescription
+from toothspace.plotting.geometry import opening_area, openings_of
+from toothspace.plotting.section import (
+    fixed_parts,
+    fluid_cells,
+    housing_region,
+    pitch_angle,
+    port_region,
+    recess_outlines,
+)
+
+DRAG_NODES = 180
+"""Table nodes on a turn while a handle moves; displacement and contact are closed forms."""
+_MM = 1e3
+_DRAWN_ERROR = 8e-6
+_TURNING_ERROR = 25e-6
+"""What outlines may deviate, at rest and while the machine turns. [m]"""
+_OPENING_NODES = 181
+
+
+def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
+    """Section, handles, numbers, opening areas and design rules of the machine of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a machine.
+    nodes : int, optional
+        Table nodes on a turn; default those of a run.
+
+    Raises
+    ------
+    CaseError
+        If the machine cannot be built.
+    """
+    described = machine_type(case.machine_type).describe
+    spec = case.machine_spec
+    description = described(spec) if nodes is None else described(spec, nodes)
+    return {
+        "section": section(description),
+        "handles": handles_of(case, description),
+        "numbers": plain(description.geometry_summary),
+        "openings": openings(description),
+        "volume": volume(description),
+        "rules": [
+            {
+                "label": check.label,
+                "value": plain(check.value),
+                "shown": check.shown_value,
+                "allowed": check.allowed,
+                "passed": bool(check.passed),
+                "reason": check.reason,
+            }
+            for check in description.checks
+        ],
+    }
+
+
+def section(description: MachineDescription, shaft_angle: float = 0.0) -> dict[str, Any]:
+    """Outlines of the transverse section, in mm; bodies in their own frame."""
+    cells = description.chamber_outlines is not None
+    return {
+        "machine": description.name,
+        "mode": description.mode,
+        "pitch": pitch_angle(description),
+        "bodies": [
+            {
+                "name": body.name,
+                "center": _points(np.array([body.center]))[0],
+                "ratio": body.speed_ratio,
+                "outline": _rings(_cut(description.outlines[body.name])),
+                "journal": next(
+                    (_MM * j.diameter for j in description.journals if j.body == body.name), None
+                ),
+            }
+            for body in description.bodies
+        ],
+        "housing": _rings(housing_region(description)),
+        "ports": {p: _rings(port_region(description, p)) for p in ("inlet", "outlet")},
+        "recesses": {name: _points(line) for name, line in recess_outlines(description).items()},
+        "fixed": _rings(fixed_parts(description)),
+        "cells": [_rings(c) for c in fluid_cells(description, shaft_angle)] if cells else [],
+    }
+
+
+def turning(description: MachineDescription, shaft_angles: Iterable[float]) -> list[list[Any]]:
+    """Outlines of all chambers at shaft angles [rad], in mm."""
+    return [
+        [_rings(cell, _TURNING_ERROR) for cell in fluid_cells(description, float(angle))]
+        for angle in shaft_angles
+    ]
+
+
+def openings(description: MachineDescription) -> list[dict[str, Any]]:
+    """Open areas of one chamber of each family over its own angle. [deg], [mm2]."""
+    found = []
+    for family in description.families:
+        angle = np.linspace(0.0, family.volume.period, _OPENING_NODES)
+        curves = []
+        for category in openings_of(description):
+            area = opening_area(description, family, category, angle) * 1e6
+            if float(area.max()) > 0.0:
+                curves.append(
+                    {"label": category.label, "colour": category.colour, "values": rounded(area)}
+                )
+        if curves:
+            found.append(
+                {"family": family.name, "angle": rounded(np.degrees(angle)), "curves": curves}
+            )
+    return found
+
+
+def volume(description: MachineDescription) -> dict[str, Any]:
+    """Volume of a chamber of the first family over its own angle. [deg], [mm3]."""
+    family = description.families[0]
+    angle = np.linspace(0.0, family.volume.period, _OPENING_NODES)
+    return {
+        "angle": rounded(np.degrees(angle)),
+        "values": rounded(family.volume(angle)[:, 0] * 1e9),
+    }
+
+
+def rounded(values: Any, digits: int = 6) -> list[float | None]:
+    """Return numbers with so many significant digits, None where there is none."""
+    return [float(f"{x:.{digits}g}") if math.isfinite(x) else None for x in np.ravel(values)]
+
+
+def _cut(outline: Array) -> Any:
+    from toothspace.geometry.curve import enclosed
+
+    (region,) = enclosed([outline])
+    return region
+
+
+def _rings(region: Any, error: float = _DRAWN_ERROR) -> list[list[list[float]]]:
+    """Outer and inner rings of an area, one after the other, simplified for a screen. [mm]."""
+    rings = []
+    simple = region.simplify(error)
+    for polygon in getattr(simple, "geoms", [simple]):
+        if polygon.geom_type == "Polygon" and not polygon.is_empty:
+            for ring in (polygon.exterior, *polygon.interiors):
+                rings.append(_points(np.asarray(ring.coords)[:, :2]))
+    return rings
+
+
+def _points(points: Array) -> list[list[float]]:
+    """Points in mm, to a micrometre."""
+    return np.round(_MM * points, 3).tolist()

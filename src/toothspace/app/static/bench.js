@@ -1,0 +1,315 @@
+// The bench: a design, its drawing, what it answers, and what becomes of it.
+import { ask, by, complain, element } from "./dom.js";
+import { Curves } from "./curves.js";
+import { buildForm } from "./form.js";
+import { Machine } from "./machine.js";
+import { showStart } from "./start.js";
+import { fromShown, named, number, settingsForm, text, toShown, units, unitShown } from "./units.js";
+
+const TAB = Math.random().toString(36).slice(2);
+const QUIET = 300, SETTLE = 1500;
+const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
+const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
+const TABS = [["answer", "Answer"], ["geometry", "Geometry and rules"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
+let design = null, schema = null, shape = null, answer = null, ghost = null, measured = null, lastMoved = "";
+let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], playing = 0;
+window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [] };
+
+const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
+const curves = new Curves(by("curves"), angle => turnTo(angle)), areas = new Curves(by("openings"));
+by("stop").onclick = () => attempt(() => ask(`/api/designs/${design.id}/stop`, { tab: TAB }));
+const say = message => { by("state").textContent = message; by("stop").hidden = !message.endsWith("…"); };
+async function attempt(work) { try { complain(null); return await work(); } catch (error) { complain(error); say(""); return null; } }
+
+// ---- one design --------------------------------------------------------------------------------
+async function open(id) {
+  if (location.hash !== `#${id}`) { location.hash = id; return; }
+  stopPlaying();
+  const found = await attempt(() => ask(`/api/designs/${id}`));
+  if (!found) { location.hash = ""; return; }
+  by("start").hidden = true; by("bench").hidden = false; by("design-tools").hidden = false;
+  Object.assign(window.bench, { answers: [], looks: [] });
+  answer = ghost = shape = measured = null; machine.turn(null); machine.handles = []; machine.box = null;
+  by("tiles").replaceChildren(); by("verdict").textContent = ""; by("curves").replaceChildren(); curves.plots.clear();
+  take(found);
+  choose("answer");
+  await look({}, false, true);
+  solve();
+}
+function take(found) {
+  design = found;
+  by("title").textContent = design.tables.title ?? ""; document.title = `${design.tables.title ?? "bench"} · toothspace`;
+  by("undo").disabled = !design.undo; by("redo").disabled = !design.redo;
+  showVariants(); if (!by("panel-keys").hidden) showKeys(); if (!by("panel-text").hidden) showText();
+}
+async function look(values, drag, fit = false) {
+  const began = performance.now(), id = design.id;
+  const found = await ask(`/api/designs/${id}/look`, { values, drag });
+  if (design?.id !== id) return;
+  window.bench.looks.push(performance.now() - began);
+  by("left").hidden = !found.section;
+  if (!found.section) return;
+  shape = found;
+  const now = Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h]));
+  const held = machine.held;
+  for (const handle of found.handles) if (now[handle.path]) { const old = now[handle.path]; Object.assign(handle, { place: old.place ?? handle.place, value: old.value, low: old.low, high: old.high, now: old.now, drawn: values[handle.path] === written(old, old.now) ? old.now - old.value : undefined }); }
+  if (held) held.handle = found.handles.find(h => h.path === held.handle.path) ?? held.handle;
+  if (drag) machine.turn(null);
+  machine.show(found.section, found.handles, fit);
+  if (!drag) dimensions();
+  geometry();
+}
+// the newest values win; one question is under way at a time
+async function lookSoon(values) {
+  wantLook = values;
+  if (looking) return;
+  looking = true;
+  while (wantLook) {
+    const asked = wantLook; wantLook = null;
+    try { await look(asked, true); complain(null); } catch (error) { complain(error); }
+  }
+  looking = false;
+}
+const moved = () => Object.fromEntries(machine.handles.filter(h => h.now !== undefined && h.now !== h.value).map(h => [h.path, written(h, h.now)]));
+const written = (handle, value) => handle.unit ? `${value} ${handle.unit}` : value;
+
+function move(handle, value) {
+  handle.now = value; lastMoved = handle.path;
+  machine.preview(handle); machine.placeHandles(); showDimension(handle); lookSoon(moved());
+  clearTimeout(timer); clearTimeout(settleTimer);
+  timer = setTimeout(() => commit(handle), machine.held ? 1e9 : QUIET);
+}
+function commit() {
+  clearTimeout(timer);
+  const values = moved();
+  if (Object.keys(values).length) change({ values });
+}
+function change(given) {
+  clearTimeout(settleTimer);
+  changing = changing.then(() => attempt(async () => {
+    try { take(await ask(`/api/designs/${design.id}/change`, given)); }
+    finally { for (const handle of machine.handles) { delete handle.now; } wantLook = null; await look({}, false); }
+    solve();
+  }));
+  return changing;
+}
+async function solve(full = false) {
+  clearTimeout(settleTimer);
+  const id = design.id, began = performance.now();
+  say(full ? "settling: running-in and temperatures …" : "solving …");
+  const found = await attempt(() => ask(`/api/designs/${id}/answer`, { full, tab: TAB }));
+  if (found?.superseded) say("");
+  if (!found || design?.id !== id || found.superseded || found.version !== design.version) return;
+  window.bench.answers.push({ full, ms: performance.now() - began });
+  if (!full) ghost = answer?.first ?? answer ?? ghost;
+  answer = { ...found, full, first: full ? answer?.first : undefined };
+  showAnswer();
+  say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
+  const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
+  if (!full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
+  fetchTurning();
+}
+async function fetchTurning() {
+  if (!answer?.turn || !shape?.section.cells.length) return;
+  const version = design.version, id = design.id;
+  try { const found = await ask(`/api/designs/${id}/turning`); if (design?.id === id && design.version === version && !machine.held) machine.turn(found); } catch { machine.turn(null); }
+}
+
+// ---- left: dimensions --------------------------------------------------------------------------
+const GROUPS = { operating_point: "Operating point", fluid: "Fluid" };
+function dimensions() {
+  const wanted = by("search").value.toLowerCase(), groups = new Map();
+  for (const handle of shape.handles) {
+    if (wanted && !`${handle.path} ${handle.label} ${handle.doc}`.toLowerCase().includes(wanted)) continue;
+    const parts = handle.path.split("."), group = GROUPS[parts[0]] ?? parts.slice(1, -1).join(", ").replace(/_/g, " ");
+    if (!groups.has(group)) groups.set(group, []);
+    groups.get(group).push(row(handle));
+  }
+  by("dimensions").replaceChildren(...[...groups].map(([name, rows]) => element("fieldset", {}, element("legend", { textContent: name[0].toUpperCase() + name.slice(1) }), ...rows)));
+}
+function row(handle) {
+  const short = handle.path.split(".").at(-1).replace(/_/g, " "), id = `d.${handle.path}`;
+  const slider = element("input", { type: "range", min: handle.low, max: handle.high, step: handle.whole ? 1 : "any", ariaLabel: handle.label }); slider.value = handle.now ?? handle.value;
+  const field = element("input", { type: "text", id, title: handle.path, inputMode: "decimal" });
+  const line = element("div", { className: "dimension", title: `${handle.doc}\n${handle.path}` }, element("label", { htmlFor: id, textContent: short[0].toUpperCase() + short.slice(1) }), slider, element("span", { className: "value" }, field, element("span", { textContent: unitShown(handle.unit) })));
+  line.dataset.path = handle.path;
+  const own = () => machine.handles.find(h => h.path === handle.path) ?? handle;
+  slider.oninput = () => move(own(), machine.bounded(own(), Number(slider.value)));
+  slider.onchange = () => commit();
+  field.onchange = () => { const value = fromShown(number(field.value), handle.unit); if (Number.isFinite(value)) { const h = own(); h.now = handle.whole ? Math.round(value) : Number(value.toPrecision(8)); lastMoved = h.path; commit(); } };
+  field.onkeydown = event => { const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key]; if (sign) { event.preventDefault(); const h = own(); move(h, machine.bounded(h, (h.now ?? h.value) + sign * (h.whole ? 1 : (h.high - h.low) / 200))); } };
+  queueMicrotask(() => showDimension(own()));
+  return line;
+}
+function showDimension(handle) {
+  const line = by("dimensions").querySelector(`[data-path="${CSS.escape(handle.path)}"]`);
+  if (!line) return;
+  const value = handle.now ?? handle.value, [slider, field] = line.querySelectorAll("input");
+  if (document.activeElement !== slider) slider.value = value;
+  if (document.activeElement !== field || handle.now !== undefined) field.value = text(toShown(value, handle.unit), 5);
+  line.classList.toggle("moved", handle.now !== undefined && handle.now !== handle.value);
+}
+
+// ---- right -------------------------------------------------------------------------------------
+function tile(key, value, before) {
+  const { label, unit } = named(key), percent = key.endsWith("efficiency"), scale = percent ? 100 : 1;
+  const shown = v => v === null || v === undefined ? null : toShown(v * scale, unit);
+  const difference = before === null || before === undefined || value === null ? null : shown(value) - shown(before);
+  return element("div", { className: "tile", title: key }, element("small", { textContent: label }), element("b", { textContent: `${text(shown(value))} ${percent ? "%" : unitShown(unit)}` }),
+    element("i", { textContent: difference === null || Math.abs(difference) < 1e-4 * Math.abs(shown(value)) ? "" : `${difference > 0 ? "+" : "−"}${text(Math.abs(difference), 3)} from before` }));
+}
+function sentence() {
+  const n = answer.numbers;
+  if (!answer.done) return answer.sentence;
+  const bar = v => `${text(toShown(v, "bar"), 4)} ${unitShown("bar")}`;
+  const peak = n.max_chamber_pressure_bar, out = Math.max(n.outlet_pressure_bar ?? 0, n.inlet_pressure_bar ?? 0);
+  if (peak === undefined || !out) return answer.sentence;
+  const calm = peak <= 1.5 * out, serious = answer.findings.filter(f => f.severity === "serious").length;
+  return `${calm ? "No pressure peak to worry about" : "Trapped oil peaks high"}: at most ${bar(peak)}, ${text(peak / out, 3)} times the working pressure. Overall efficiency ${text(100 * n.overall_efficiency, 3)} %` + (serious ? `; ${serious} serious finding${serious > 1 ? "s" : ""} below.` : answer.findings.length ? `; ${answer.findings.length} thing${answer.findings.length > 1 ? "s" : ""} to know below.` : ".");
+}
+function showAnswer() {
+  if (!by("panel-variants").hidden) showVariants();
+  const before = ghost?.numbers ?? {};
+  by("verdict").textContent = sentence(); by("verdict").className = answer.done ? "" : "bad";
+  by("tiles").replaceChildren(...TILES.filter(key => typeof answer.numbers[key] === "number").map(key => tile(key, answer.numbers[key], before[key])));
+  by("ghost-note").textContent = ghost ? "Dashed grey: the state before the last change." : "";
+  if (answer.turn) {
+    const all = answer.turn.curves, old = ghost?.turn?.angle.length === answer.turn.angle.length ? ghost.turn.curves : {}, x = answer.turn.angle;
+    const group = (name, title, unit, keys, height) => ({ name, title, unit, x, height, lines: keys.map(k => all[k]), ghosts: keys.slice(0, 1).map(k => old[k]?.values), measured: measured?.name === name ? measured.at(x) : null });
+    const some = test => Object.keys(all).filter(test);
+    const chambers = some(k => k.startsWith("pressure_")), forces = some(k => k.startsWith("force_"));
+    curves.show([
+      chambers.length ? group("chamber", "Pressure in one tooth space on its way round", "bar", chambers, 220) : null,
+      all.gas && Math.max(...all.gas.values) > .01 ? group("gas", "Free gas in it", "%", ["gas"], 110) : null,
+      all.outlet_pressure ? group("outlet", "Outlet pressure", "bar", ["outlet_pressure"]) : null,
+      all.outlet_flow_rate ? group("flow", "Outlet flow", "L/min", ["outlet_flow_rate"]) : null,
+      all.shaft_torque ? group("torque", "Shaft torque", "N m", ["shaft_torque"]) : null,
+      forces.length ? group("forces", "Pressure force on the bodies", "N", forces) : null,
+    ].filter(Boolean));
+  } else curves.show([]);
+  const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
+  by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${text(l.watt, 3)} W` })); }));
+  by("findings").replaceChildren(...answer.findings.map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
+}
+let geometryBefore = null;
+function geometry() {
+  if (by("panel-geometry").hidden) return;
+  by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof shape.numbers[key] === "number").map(key => tile(key, shape.numbers[key], geometryBefore?.[key])));
+  areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: one.family.replace(/_/g, " "), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
+  const rules = [...shape.rules].sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
+  const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: r.shown })), element("p", { className: "small", textContent: `Allowed: ${r.allowed}. ${r.reason}` }));
+  const more = by("rules").querySelector(":scope > details.more");
+  by("rules").replaceChildren(element("p", { textContent: failed.length ? `${failed.length} of ${rules.length} rules are not met.` : `All ${rules.length} rules are met.`, className: failed.length ? "bad" : "good" }), ...failed.map(line), element("details", { className: "more", open: more?.open ?? !failed.length }, element("summary", { textContent: `Met (${met.length})` }), ...met.map(line)));
+}
+function flat(tables, path = "", found = {}) {
+  for (const [key, value] of Object.entries(tables)) { const place = path ? `${path}.${key}` : key; if (value && typeof value === "object" && !Array.isArray(value)) flat(value, place, found); else found[place] = typeof value === "string" ? value : JSON.stringify(value); }
+  return found;
+}
+function showVariants() {
+  const kept = Object.entries(design.variants);
+  if (!kept.length) { by("variants").replaceChildren(element("p", { className: "small", textContent: "Keep a state under a name, change something, and compare." })); return; }
+  const states = [...kept.map(([name, v]) => [name, flat(v.tables), v.numbers]), ["now", flat(design.tables), answer?.version === design.version ? answer.numbers : {}]];
+  const keys = [...new Set(states.flatMap(([, t]) => Object.keys(t)))].filter(k => new Set(states.map(([, t]) => t[k])).size > 1);
+  const cell = v => element("td", { textContent: v ?? "–" }), rows = TILES.filter(k => states.some(([, , n]) => typeof n[k] === "number"));
+  by("variants").replaceChildren(element("table", {},
+    element("tr", {}, element("th", { textContent: "" }), ...states.map(([name]) => element("th", {}, name, name === "now" && !(name in design.variants) ? "" : element("div", {}, element("button", { className: "small", textContent: "back to it", onclick: () => variant({ action: "restore", label: name }, true) }), " ", element("button", { className: "small", textContent: "✕", ariaLabel: `Drop ${name}`, onclick: () => variant({ action: "drop", label: name }) }))))),
+    ...keys.map(key => element("tr", { className: "differs", title: key }, element("td", { textContent: key.replace(/^machine\./, "").replace(/[._]/g, " ") }), ...states.map(([, t]) => cell(t[key])))),
+    ...rows.map(key => { const { label, unit } = named(key), percent = key.endsWith("efficiency"), first = states[0][2][key]; return element("tr", { title: key }, element("td", { textContent: `${label}${unit ? `, ${unitShown(unit)}` : percent ? ", %" : ""}` }), ...states.map(([, , n], k) => { const v = n[key]; if (typeof v !== "number") return cell(null); const s = percent ? 100 : 1, shown = toShown(v * s, unit), d = typeof first === "number" ? shown - toShown(first * s, unit) : 0; return cell(text(shown) + (k && Math.abs(d) > 1e-4 * Math.abs(shown) ? ` (${d > 0 ? "+" : "−"}${text(Math.abs(d), 2)})` : "")); })); })));
+}
+async function variant(given, solved = false) { await attempt(async () => { take(await ask(`/api/designs/${design.id}/variant`, given)); if (solved) { await look({}, false); solve(); } }); }
+async function showKeys() { schema ??= await attempt(() => ask("/api/schema")); if (schema) buildForm(by("form"), schema, design.tables, (path, value) => change({ values: { [path]: value } })); }
+async function showText() { const found = await attempt(() => ask(`/api/designs/${design.id}/toml`)); if (found !== null) by("text").value = found; }
+
+// ---- runs, studies, files ----------------------------------------------------------------------
+const LINKS = [["toml", "Case file"], ["html", "Report"], ["nc", "Result (NetCDF)"], ["csv", "Samples (CSV)"], ["png", "Picture"]];
+function showRuns() {
+  by("downloads").replaceChildren(...LINKS.map(([ending, label]) => element("a", { className: "button", textContent: label, href: `/api/designs/${design.id}/download/${ending}`, target: ending === "html" ? "_blank" : "", rel: "noopener" })));
+  by("runs").replaceChildren(...(runs.length ? runs.map(runBox) : [element("p", { className: "small", textContent: "Nothing in the queue." })]));
+}
+function runBox(run) {
+  const under = ["waiting", "running"].includes(run.state), act = (label, action) => element("button", { className: "small", textContent: label, onclick: () => attempt(async () => { await ask(`/api/runs/${run.id}`, { action }); await loadRuns(); }) });
+  const bar = element("progress"); if (run.share !== null && run.share !== undefined) bar.value = run.share;
+  return element("div", { className: "run" }, element("div", { className: "row" }, element("b", { className: "grow", textContent: `${run.title}: ${run.kind}` }), element("span", { className: run.state === "failed" || run.done === false ? "bad" : "small", textContent: run.state === "done" ? run.sentence || run.status : run.state }), under ? act("Stop", "stop") : act("Run again or go on", "resume"), under ? null : act("Delete", "delete")),
+    run.state === "running" ? bar : null, run.state === "running" ? element("small", { textContent: run.text ?? "" }) : null, run.problem ? element("p", { className: "bad", textContent: run.problem }) : null,
+    element("div", { className: "row" }, ...(run.files ?? []).map(file => element("a", { className: "button small", textContent: file, href: `/api/runs/${run.id}/${encodeURIComponent(file)}`, target: file.endsWith(".html") ? "_blank" : "", rel: "noopener" }))));
+}
+async function loadRuns() { runs = await ask("/api/runs"); if (design) showRuns(); }
+async function startRun(kind, values) { await attempt(async () => { await ask("/api/runs", { design: design.id, kind, values }); await loadRuns(); }); }
+function studyForm() {
+  const form = by("study-form"), choice = (name, list, label) => element("label", {}, `${label} `, element("select", { name }, ...list.map(([v, t]) => element("option", { value: v, textContent: t }))));
+  const options = (shape?.handles ?? []).map(h => [h.path, h.label]), goals = TILES.slice(0, 12).map(k => [k, named(k).label]);
+  const field = (name, label, value) => element("label", {}, `${label} `, element("input", { name, type: "text", value, size: 7 }));
+  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"]], "Study"), key = choice("key", options, "Dimension");
+  const chosen = () => shape.handles.find(h => h.path === key.querySelector("select").value);
+  const from = field("from", "From", ""), to = field("to", "To", ""), count = field("count", "Points", "5"), goal = choice("goal", [["maximise", "highest"], ["minimise", "lowest"]], "Goal"), objective = choice("objective", goals, "of");
+  const fill = () => { const h = chosen(); if (!h) return; from.lastChild.value = text(toShown(h.low, h.unit)); to.lastChild.value = text(toShown(h.high, h.unit)); };
+  if (lastMoved && options.some(([p]) => p === lastMoved)) key.querySelector("select").value = lastMoved;
+  key.onchange = fill;
+  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, count, goal, objective), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Maps, tolerances, start-up, hysteresis and the other studies: table “Study” under All keys, then Full run." }));
+  const both = () => { const optimise = kind.querySelector("select").value === "optimise"; goal.hidden = objective.hidden = !optimise; count.hidden = optimise; };
+  kind.onchange = both; both(); fill();
+  form.onsubmit = event => {
+    event.preventDefault();
+    const h = chosen(), data = new FormData(form), a = fromShown(number(data.get("from")), h.unit), b = fromShown(number(data.get("to")), h.unit), n = Math.max(2, Math.round(number(data.get("count"))));
+    const value = v => written(h, Number(v.toPrecision(6)));
+    const study = data.get("kind") === "sweep" ? { kind: "sweep", vary: { [h.path]: Array.from({ length: n }, (_, k) => value(a + (b - a) * k / (n - 1))) } } : { kind: "optimise", objective: data.get("objective"), goal: data.get("goal"), vary: { [h.path]: { from: value(a), to: value(b) } } };
+    startRun("study", { study });
+  };
+}
+
+// ---- turning, tabs, keyboard, events -----------------------------------------------------------
+function turnTo(angle, own = false) {
+  machine.angle = angle; by("angle").value = angle; by("angle-shown").textContent = `${text(angle, 4)}°`; machine.draw();
+  if (own) curves.cursor(angle);
+}
+function play(now) { if (!playing) return; if (playing.last) turnTo((machine.angle + (now - playing.last) * 0.012) % 360, true); playing.last = now; requestAnimationFrame(play); }
+function stopPlaying() { playing = 0; by("play").setAttribute("aria-pressed", "false"); by("play").textContent = "Turn"; }
+by("play").onclick = async () => { if (playing) return stopPlaying(); if (!machine.turning) { say("drawing the turning machine …"); await fetchTurning(); say(""); } playing = { last: 0 }; by("play").setAttribute("aria-pressed", "true"); by("play").textContent = "Hold"; requestAnimationFrame(play); };
+by("angle").oninput = () => turnTo(Number(by("angle").value), true);
+by("colour").onchange = () => { machine.colour = by("colour").value; machine.legend(); machine.draw(); };
+by("arrows").onchange = () => { machine.arrows = by("arrows").checked; machine.draw(); };
+by("search").oninput = () => shape && dimensions();
+function choose(name) {
+  for (const [one] of TABS) by(`panel-${one}`).hidden = one !== name;
+  for (const tab of by("tabs").children) tab.setAttribute("aria-selected", tab.dataset.name === name);
+  if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); }
+  if (name === "keys") showKeys();
+  if (name === "text") showText();
+  if (name === "variants") showVariants();
+  if (name === "runs") { attempt(loadRuns); studyForm(); }
+}
+by("tabs").append(...TABS.map(([name, label]) => { const tab = element("button", { type: "button", textContent: label, onclick: () => choose(name) }); tab.dataset.name = name; tab.setAttribute("role", "tab"); return tab; }));
+by("variant-form").onsubmit = event => { event.preventDefault(); variant({ action: "keep", label: by("variant-name").value, numbers: answer?.version === design.version ? answer.numbers : {} }); by("variant-name").value = ""; };
+by("text-apply").onclick = () => change({ toml: by("text").value });
+by("text-reset").onclick = () => showText();
+for (const button of document.querySelectorAll("[data-run]")) button.onclick = () => startRun(button.dataset.run);
+const undo = again => attempt(async () => { take(await ask(`/api/designs/${design.id}/undo`, { again })); await look({}, false); solve(); });
+by("undo").onclick = () => undo(false); by("redo").onclick = () => undo(true);
+addEventListener("keydown", event => { if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && design && !["INPUT", "TEXTAREA"].includes(document.activeElement.tagName)) { event.preventDefault(); undo(event.shiftKey); } });
+by("measured").onchange = async event => {
+  const [file] = event.target.files; if (!file) return;
+  const rows = (await file.text()).split(/\r?\n/).map(line => line.split(/[;\t]|,(?!\d+[;\t])/).map(number)).filter(r => r.length > 1 && r.every(Number.isFinite)).sort((a, b) => a[0] - b[0]);
+  if (rows.length < 2) { complain(new Error("The measurement needs two columns: shaft angle in degrees and pressure in bar.")); return; }
+  measured = { name: "chamber", at: x => x.map(a => { const k = rows.findIndex(r => r[0] >= a); if (k <= 0) return k === 0 && rows[0][0] === a ? toShown(rows[0][1], "bar") : null; const [p, q] = [rows[k - 1], rows[k]]; return toShown(p[1] + (q[1] - p[1]) * (a - p[0]) / (q[0] - p[0]), "bar"); }) };
+  if (answer) showAnswer();
+};
+by("settings-open").onclick = () => { settingsForm(by("settings-form"), () => { document.documentElement.dataset.theme = units.theme; for (const set of [curves, areas]) { set.box.replaceChildren(); set.plots.clear(); } if (design && shape) { dimensions(); geometry(); machine.legend(); machine.fit(); } if (answer) { showAnswer(); showVariants(); } }); by("settings").showModal(); };
+document.documentElement.dataset.theme = units.theme;
+
+const events = new EventSource("/api/events");
+events.onmessage = ({ data }) => {
+  const { kind, value } = JSON.parse(data);
+  if (kind === "run") { runs = [value, ...runs.filter(r => r.id !== value.id)].sort((a, b) => b.begun - a.begun); if (design && !by("panel-runs").hidden) showRuns(); }
+  if (kind === "answer" && value.design === design?.id && !by("stop").hidden) say(`${value.text} …`);
+  // another tab has changed this design
+  if (kind === "design" && value.id === design?.id && value.version > design.version && !machine.held) changing = changing.then(async () => { if (value.version <= design.version) return; take(await ask(`/api/designs/${design.id}`)); await look({}, false); solve(); });
+};
+async function route() {
+  const id = location.hash.slice(1);
+  if (/^[0-9a-f]{12}$/.test(id)) return open(id);
+  stopPlaying(); design = null; by("title").textContent = ""; say("");
+  by("bench").hidden = true; by("start").hidden = false; by("design-tools").hidden = true;
+  await attempt(() => showStart(open));
+}
+addEventListener("hashchange", route);
+route();

@@ -1,0 +1,181 @@
+r"""Helical gears: what a transverse section does, over all sections along the face width.
+
+Along the axis a section leads or lags by the shaft angle :math:`\kappa z`, with the turn of the
+drive gear's teeth per length :math:`\kappa = \tan\beta / r`. A tooth space that follows the
+helix is one chamber with one pressure, so that its volume, its openings and its gaps are means of
+those of the sections over the twist :math:`\varphi = b\,|\kappa|` of the whole width.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.gearing.numbering import FULL_TURN
+from toothspace.geometry.involute import InvoluteGear
+from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+
+_SECTIONS = 33
+"""Transverse sections of a gap, whose flow grows faster than its height."""
+_SLICES_PER_PITCH = 8
+"""Slices of a contact line on one pitch of overlap: the load moves in steps of an eighth of it."""
+_CURVED_GAP = 2.5
+"""Power of the height that the flow through a gap between curved walls grows with. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class Helix:
+    """Teeth that wind about the axes of a pair of gears."""
+
+    angle: float
+    """Helix angle at the reference circle, positive where the drive gear is right-handed. [rad]"""
+    gear: InvoluteGear
+    """Drive gear in the transverse section."""
+    face_width: float
+    """Width of both gears. [m]"""
+
+    @property
+    def turn_per_length(self) -> float:
+        """Turn of the drive gear's teeth along its axis, positive right-handed. [rad/m]."""
+        return math.tan(self.angle) / self.gear.reference_radius
+
+    @property
+    def twist(self) -> float:
+        """Shaft angle between both ends of a tooth. [rad]."""
+        return abs(self.turn_per_length) * self.face_width
+
+    @property
+    def overlap_ratio(self) -> float:
+        """Twist over the pitch angle: contact ratio along the face width. [-]."""
+        return self.twist * self.gear.tooth_count / FULL_TURN
+
+    @property
+    def base_angle(self) -> float:
+        """Helix angle at the base circle, sin(beta_b) = sin(beta) cos(alpha_n). [rad]."""
+        return math.atan(math.tan(abs(self.angle)) * math.cos(self.gear.pressure_angle))
+
+    def family(self, family: ChamberFamily) -> ChamberFamily:
+        """Chambers along the helix: means of volumes and of what micro-motions displace."""
+        width = self.twist * family.angle_ratio
+        return replace(
+            family,
+            volume=family.volume.moving_mean(width),
+            volume_by_motion=family.volume_by_motion.moving_mean(width),
+        )
+
+    def path(self, path: FlowPath) -> FlowPath:
+        """Flow path along the helix: in both end faces, or over the whole width.
+
+        Openings in a face see the section of that face; openings at the tip circle are sums over
+        the width. A gap is as high as one that leaks as much.
+        """
+        if path.kind == "orifice":
+            sections = 2 if path.multiplicity == 2.0 else _SECTIONS
+            return replace(path, geometry=self._opening(path, sections))
+        if path.kind == "parallel_gap" and path.height_by_motion is None:
+            return path  # lands that are alike at every place
+        return self._gap(path, 3.0 if path.kind == "parallel_gap" else _CURVED_GAP)
+
+    def contact(self, contact: ContactPair) -> ContactPair:
+        r"""Contacts of slices along the width, each at the place of its section.
+
+        Notes
+        -----
+        The force F of a contact is that in the transverse section. The flanks part along their
+        normal by :math:`\cos\beta_b` of the gap there, over a line that is longer by
+        :math:`1/\cos\beta_b`, and their radii grow by that, too.
+        """
+        count = max(math.ceil(_SLICES_PER_PITCH * self.overlap_ratio), 2)
+        middles = (np.arange(count) + 0.5) / count - 0.5
+        leads = self.twist * contact.angle_ratio * middles
+        slope = math.cos(self.base_angle)
+        scale = np.array([1.0, 1.0 / count, 1.0 / slope, 1.0 / slope, 1.0, 1.0])
+        table = contact.geometry
+        return replace(
+            contact,
+            phases=(contact.phases[None, :] + leads[:, None]).ravel(),
+            geometry=PeriodicTable(table.period, table.values * scale, table.slopes * scale),
+            width=contact.width * slope / count,
+            part=1.0 / count,
+            structure_stiffness=contact.structure_stiffness * slope / count,
+        )
+
+    def ripple(self, flow: Array) -> float:
+        """Largest less smallest ideal flow over its mean, from that of a section over a pitch. [-].
+
+        Parameters
+        ----------
+        flow : ndarray
+            Ideal flow of spur gears at even angles of one pitch. [m3/rad]
+        """
+        pitch = FULL_TURN / self.gear.tooth_count
+        mean = monotone_table(pitch, flow).moving_mean(self.twist).values
+        return float((mean.max() - mean.min()) / mean.mean())
+
+    def _leads(self, path: FlowPath, sections: int) -> Array:
+        """Table angles of sections relative to that of the middle. [rad]."""
+        half = 0.5 * self.twist * path.angle_ratio
+        return np.linspace(-half, half, sections)
+
+    def _opening(self, path: FlowPath, sections: int) -> PeriodicTable:
+        table = path.geometry
+        if sections == _SECTIONS:
+            area = table.moving_mean(self.twist * path.angle_ratio).values[:, 0]
+        else:
+            area = self._over(table, self._leads(path, sections))[..., 0].mean(axis=0)
+        found = self._over(table, self._leads(path, sections))
+        open_area = np.maximum(found[..., 0], 0.0)
+        total = open_area.sum(axis=0)
+        weighted = (open_area * found[..., 1]).sum(axis=0)
+        diameter = np.where(total > 0.0, weighted / np.where(total > 0.0, total, 1.0), 0.0)
+        return monotone_table(table.period, np.column_stack([np.maximum(area, 0.0), diameter]))
+
+    def _gap(self, path: FlowPath, power: float) -> FlowPath:
+        leads, table = self._leads(path, _SECTIONS), path.geometry
+        found = self._over(table, leads)
+        height, wide = np.maximum(found[..., 0], 0.0), np.maximum(found[..., 1], 0.0)
+        # trapezoidal rule over the width
+        share = np.full((_SECTIONS, 1), 1.0 / (_SECTIONS - 1))
+        share[[0, -1]] *= 0.5
+        width = (share * wide).sum(axis=0)
+        safe = np.where(width > 0.0, width, 1.0)
+
+        def mean(weight: Array, value: Array) -> Array:
+            total = (share * weight).sum(axis=0)
+            extra = (1,) * (value.ndim - 2)
+            part = (share * weight).reshape(*weight.shape, *extra) * value
+            some = np.where(total > 0.0, total, 1.0).reshape(-1, *extra)
+            middle = value[_SECTIONS // 2]
+            return np.where(total.reshape(-1, *extra) > 0.0, part.sum(axis=0) / some, middle)
+
+        leaking = (share * wide * height**power).sum(axis=0) / safe
+        high = np.where(width > 0.0, leaking ** (1.0 / power), height[_SECTIONS // 2])
+        geometry = np.column_stack([high, width, mean(wide, found[..., 2])])
+        drag = path.drag_speed
+        if drag is not None:
+            speeds = self._over(drag, leads)[..., 0]
+            carried = (share * wide * height * speeds).sum(axis=0)
+            swept = width * high
+            even = np.where(swept > 0.0, carried / np.where(swept > 0.0, swept, 1.0), 0.0)
+            drag = monotone_table(table.period, even)
+        motion = path.height_by_motion
+        if motion is not None:
+            motion = monotone_table(motion.period, mean(wide, self._over(motion, leads)))
+        return replace(
+            path,
+            geometry=monotone_table(table.period, geometry),
+            height_by_motion=motion,
+            drag_speed=drag,
+        )
+
+    @staticmethod
+    def _over(table: PeriodicTable, leads: Array) -> Array:
+        """Values at the nodes of a table in sections. Shape (sections, nodes, channels)."""
+        nodes = table.period * np.arange(table.values.shape[0]) / table.values.shape[0]
+        return table(nodes[None, :] + leads[:, None])

@@ -1,0 +1,123 @@
+"""A machine that turns: its section coloured by pressure, as a moving picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.files import draft_of
+from toothspace.core.processes import program_named
+from toothspace.core.progress import Progress, part, tell
+from toothspace.plotting.section import (
+    draw_section,
+    housing_region,
+    pitch_angle,
+    top_of_scale,
+)
+from toothspace.plotting.style import GREY, ORANGE, PRESSURE_COLOURS, new_figure, styled
+from toothspace.results.solution import Solution
+
+ENDINGS = (".gif", ".mp4")
+"""Formats by the ending of the file."""
+_BAR = 1e5
+_PER_SECOND = 12
+_FRAMES = 36
+"""Pictures of one pitch, after which the machine looks the same."""
+_ARROW = 0.35
+"""Length of the largest force over the height of the casing. [-]"""
+
+
+@styled
+def write_animation(
+    solution: Solution, path: Path, frames: int = _FRAMES, progress: Progress | None = None
+) -> Path:
+    """Write a machine turning through one pitch, over and over.
+
+    Left the section with the pressures as colour and the pressure forces on the bodies as arrows,
+    right the pressure of one chamber over the turn with a cursor where it stands.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result over the shaft angle.
+    path : Path
+        File; GIF or MP4 by its ending. MP4 needs the program ``ffmpeg``.
+    frames : int
+        Pictures of one pitch.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    CaseError
+        If the result is over time, its machine cannot be rebuilt, or ``ffmpeg`` is missing.
+    """
+    import matplotlib as mpl
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    description, data = solution.description, solution.data
+    if "shaft_angle" not in data.sizes or "chamber_pressure" not in data:
+        raise CaseError("result", "a run over time", "a run over the shaft angle with pressures")
+    if description is None or description.chamber_outlines is None:
+        raise CaseError("result", "a machine that cannot be drawn", "one whose files are there")
+    writer: Any = PillowWriter(_PER_SECOND)
+    if path.suffix.lower() == ".mp4":
+        program = program_named("ffmpeg")
+        if program is None:
+            raise CaseError("-o", repr(path.name), "a .gif, or the program ffmpeg installed")
+        mpl.rcParams["animation.ffmpeg_path"] = program
+        writer = FFMpegWriter(_PER_SECOND)
+    angle = np.asarray(data["shaft_angle"])
+    pressure = np.asarray(data["chamber_pressure"])
+    ports = {port: np.asarray(data[f"{port}_pressure"]) for port in ("inlet", "outlet")}
+    forces = np.asarray(data["body_force"])[..., :2] if "body_force" in data else None
+    left, low, right, high = housing_region(description).bounds
+    wide = 4.6 * (right - left) / (high - low)
+    figure = new_figure(wide + 4.9, 4.8)
+    machine, curve = figure.subplots(1, 2, width_ratios=(wide, 4.0))
+    scale, colours = Normalize(0.0, top_of_scale(solution) / _BAR), mpl.colormaps[PRESSURE_COLOURS]
+    figure.colorbar(ScalarMappable(scale, PRESSURE_COLOURS), ax=machine, shrink=0.6, pad=0.02)
+    degrees = np.degrees(angle - angle[0])
+    curve.plot(degrees, pressure[:, 0] / _BAR)
+    label = description.families[0].name.replace("_", " ")
+    curve.set(xlabel="Shaft angle (deg)", ylabel=f"Pressure in a {label} chamber (bar)")
+    cursor = curve.axvline(0.0, color=ORANGE, linewidth=1.2)
+    largest = 1.0 if forces is None else max(float(np.hypot(*forces.T).max()), 1.0)
+    turning = part(progress, "drawing")
+    final = path if path.suffix.lower() in ENDINGS else path.with_suffix(".gif")
+    with draft_of(final) as draft:
+        writing = draft.with_name(f"{draft.name}{final.suffix}")
+        try:
+            with writer.saving(figure, str(writing), dpi=100):
+                for frame in range(frames):
+                    asked = angle[0] + frame / frames * pitch_angle(description)
+                    k = int(np.argmin(np.abs(angle - asked)))
+                    machine.clear()
+                    at_ports = {name: colours(scale(p[k] / _BAR)) for name, p in ports.items()}
+                    spaces = colours(scale(pressure[k] / _BAR))
+                    draw_section(machine, description, float(angle[k]), at_ports, spaces)
+                    for body, force in zip(
+                        description.bodies, () if forces is None else forces[k], strict=False
+                    ):
+                        start = 1e3 * np.asarray(body.center)
+                        end = start + 1e3 * _ARROW * (high - low) * force / largest
+                        machine.annotate(
+                            "", end, start, arrowprops={"arrowstyle": "-|>", "color": GREY, "lw": 2}
+                        )
+                    cursor.set_xdata([degrees[k]] * 2)
+                    writer.grab_frame()
+                    tell(turning, (frame + 1) / frames, f"picture {frame + 1} of {frames}")
+            writing.replace(draft)
+        finally:
+            writing.unlink(missing_ok=True)
+    return final

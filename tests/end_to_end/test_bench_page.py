@@ -1,0 +1,183 @@
+"""The bench in a browser: take hold of a groove edge and see the pump answer."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from toothspace.app.server import BenchServer
+
+playwright = pytest.importorskip("playwright.sync_api")
+pytest.importorskip("starlette")
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next(filter(None, map(shutil.which, NAMES)), "")
+ARGUMENTS = (
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+LONGEST = 120.0
+GROOVE = '[data-path="machine.relief_grooves.closing_side_offset"]'
+
+pytestmark = pytest.mark.skipif(not CHROMIUM, reason="no Chromium on this computer")
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[BenchServer]:
+    served = BenchServer(tmp_path_factory.mktemp("bench"))
+    thread = threading.Thread(target=served.serve, daemon=True)
+    thread.start()
+    yield served
+    served.stop()
+    thread.join(20.0)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as running:
+        found = running.chromium.launch(executable_path=CHROMIUM, args=list(ARGUMENTS))
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def page(server: BenchServer, browser: Any) -> Iterator[Any]:
+    context = browser.new_context(viewport={"width": 1400, "height": 900})
+    opened, errors = context.new_page(), list[str]()
+    context.set_default_timeout(1000.0 * LONGEST)
+    opened.on("pageerror", lambda error: errors.append(str(error)))
+    opened.goto(server.address)
+    opened.wait_for_selector("#questions .card")
+    yield opened
+    context.close()
+    assert errors == []
+
+
+def until(page: Any, holds: str) -> None:
+    """Wait until an expression holds; the policy of the page forbids evaluating texts in it."""
+    end = time.monotonic() + LONGEST
+    while not page.evaluate(holds):
+        assert time.monotonic() < end, holds
+        page.wait_for_timeout(50)
+
+
+def begin(page: Any, card: str) -> None:
+    page.click(f"#start .card:has-text('{card}')")
+    page.wait_for_selector("#tiles .tile")
+
+
+def test_a_dragged_groove_lowers_the_peak(page: Any) -> None:
+    assert "token" not in page.url
+    begin(page, "Quiet a pump")
+    before = page.evaluate("bench.answer.numbers.max_chamber_pressure_bar")
+    count = page.evaluate("bench.answers.length")
+    box = page.locator(f"{GROOVE} circle").last.bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(6):
+        page.mouse.move(x - 0.4 * step, y)
+        page.wait_for_timeout(20)
+    page.mouse.up()
+    until(page, f"bench.answers.length > {count} && bench.design.version > 1")
+    until(page, "bench.answer.version === bench.design.version")
+    value = page.evaluate("bench.design.tables.machine.relief_grooves.closing_side_offset")
+    assert 2.9 < float(value.removesuffix(" mm")) < 3.4
+    assert page.evaluate("bench.answer.numbers.max_chamber_pressure_bar") < before - 5.0
+    assert "from before" in page.inner_text("#tiles")
+    # a reload loses nothing, and a second tab sees the same
+    address = page.url
+    page.reload()
+    page.wait_for_selector("#tiles .tile")
+    assert page.evaluate("bench.design.version") == 2
+    other = page.context.new_page()
+    other.goto(address)
+    other.wait_for_selector("#tiles .tile")
+    page.click("#undo")
+    until(other, "bench.design.version === 3")
+    until(other, "bench.design.tables.machine.relief_grooves.closing_side_offset === '3.4 mm'")
+
+
+def test_keyboard_units_and_variants(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.fill("#variant-name", "first") if page.click("#tabs >> text=Variants") is None else None
+    page.click("#variant-form button")
+    page.wait_for_selector("#variants >> text=first")
+    page.focus(GROOVE)
+    page.keyboard.press("ArrowLeft")
+    until(page, "bench.design.version >= 3 && bench.answer?.version === bench.design.version")
+    assert "relief grooves closing side offset" in page.inner_text("#variants")
+    page.click("#settings-open")
+    page.select_option("#settings-form select >> nth=0", "psi")
+    page.select_option("#settings-form select >> nth=4", "1,5")
+    page.click("#settings-form button")
+    page.click("#tabs >> text=Answer")
+    assert "psi" in page.inner_text("#tiles")
+    assert re.search(r"\d,\d", page.inner_text("#tiles"))
+
+
+def test_a_new_pump_runs_and_turns(page: Any) -> None:
+    page.click(".card:has-text('Size a pump')")
+    page.fill("#new-form [name=displacement]", "8")
+    page.click("#new-form button[value=ok]")
+    page.wait_for_selector("#tiles .tile")
+    assert page.evaluate("bench.answer.status") == "done"
+    page.click("#play")
+    until(page, "document.getElementById('play').getAttribute('aria-pressed') === 'true'")
+    until(page, "Number(document.getElementById('angle').value) > 1")
+    page.click("#play")
+
+
+def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs >> text=Case file")
+    until(page, "document.getElementById('text').value.includes('[machine.gears]')")
+    text = page.input_value("#text")
+    page.fill("#text", text.replace("2.75 mm", "2.75 kg"))
+    page.click("#text-apply")
+    page.wait_for_selector("#problems:visible")
+    assert "machine.gears.module" in page.inner_text("#problems")
+    assert page.evaluate("bench.design.version") == 1
+    hostile = text.replace("EGM-12", "<img src=x onerror=alert(1)>")
+    page.fill("#text", hostile)
+    page.click("#text-apply")
+    until(page, "bench.design.version === 2")
+    assert "<img" in page.inner_text("#title")
+    assert page.locator("#title img").count() == 0
+
+
+def test_cad_files_become_a_running_machine(page: Any, repository: Path) -> None:
+    page.click(".card:has-text('Check my CAD')")
+    profile = repository / "cases" / "profiles"
+    files = sorted(profile.glob("egm12*.txt"))[:1]
+    page.set_input_files("#cad input[type=file]", [str(file) for file in files])
+    page.wait_for_selector("#cad >> text=First case")
+    assert "assumed" in page.input_value("#cad textarea")
+    page.click("#cad >> text=Open on the bench")
+    page.wait_for_selector("#tiles .tile")
+
+
+def test_a_strange_file_is_explained(page: Any, tmp_path: Path) -> None:
+    strange = tmp_path / "strange.stl"
+    strange.write_bytes(b"no solid at all")
+    page.click(".card:has-text('Check my CAD')")
+    page.set_input_files("#cad input[type=file]", str(strange))
+    until(
+        page,
+        "!document.getElementById('problems').hidden || !!document.querySelector('#cad .bad')",
+    )
+
+
+def test_without_the_cookie_nothing_is_shown(server: BenchServer, browser: Any) -> None:
+    context = browser.new_context()
+    page = context.new_page()
+    assert page.goto(server.address.partition("?")[0]).status == 403
+    assert page.goto(server.address.replace("token=", "token=x")).status == 403
+    context.close()

@@ -1,0 +1,140 @@
+"""Helical gears: closed forms, limits and conservation."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import toothspace as ts
+from toothspace import api
+from toothspace.core.errors import CaseError
+from toothspace.gearing.spaces import section_areas
+from toothspace.machines.external_gear.assembly import assemble
+from toothspace.model.description import MachineDescription
+from toothspace.numerics.periodic_table import smooth_table
+
+HELICAL = Path(__file__).resolve().parents[3] / "cases" / "helical_pump.toml"
+ANGLE = "machine.gears.helix_angle"
+
+
+def machine(**changes: Any) -> MachineDescription:
+    case = ts.load_case(HELICAL).replace({k.replace("__", "."): v for k, v in changes.items()})
+    return api.prepare(case).machine
+
+
+@cache
+def solved(hand: str, mesh: str = "rigid") -> ts.Solution:
+    case = ts.load_case(HELICAL, (f"machine.gears.helix_hand={hand}", f"run.mesh={mesh}"))
+    return ts.simulate(case)
+
+
+@pytest.mark.parametrize("overlap", [0.25, 0.5, 0.9])
+def test_a_harmonic_falls_by_the_sine_over_its_argument(overlap: float) -> None:
+    teeth, nodes = 12, 4320
+    angles = 2.0 * np.pi * np.arange(nodes) / nodes
+    twist = overlap * 2.0 * np.pi / teeth
+    for k in (1, 2, 3):
+        mean = smooth_table(2.0 * np.pi, np.cos(k * teeth * angles)).moving_mean(twist)
+        assert mean.values[0, 0] == pytest.approx(np.sinc(k * overlap), abs=1e-6)
+
+
+def test_ideal_flow_of_a_whole_overlap_does_not_pulsate() -> None:
+    """Overlap 1 at 19 degrees; the ideal machine knows no leak along the helix."""
+    spur, half, whole = (
+        float(ts.simulate(str(HELICAL), run__fidelity="ideal", **{  # type: ignore[arg-type]
+            "machine__gears__helix_angle": "5 deg",
+            "machine__gears__face_width": f"{width} mm",
+        }).summary()["flow_ripple_percent"])
+        for width in (0.1, 49.4, 98.754)
+    )  # fmt: skip
+    assert half < 0.6 * spur
+    assert whole < 0.02 * spur
+
+
+def test_a_vanishing_helix_is_a_spur_gear() -> None:
+    spur, helical = (machine(**{ANGLE: angle}) if angle != "0 deg" else straight()
+                     for angle in ("0 deg", "1e-4 deg"))  # fmt: skip
+    assert helical.winding is not None
+    assert spur.winding is None
+    for one, other in zip(spur.families, helical.families, strict=True):
+        np.testing.assert_allclose(other.volume.values, one.volume.values, rtol=1e-6)
+    for one, other in zip(spur.paths, helical.paths, strict=True):
+        if one.kind == "orifice":
+            largest = one.geometry.values[:, 0].max()
+            np.testing.assert_allclose(
+                other.geometry.values[:, 0], one.geometry.values[:, 0], atol=1e-5 * largest
+            )
+
+
+def straight() -> MachineDescription:
+    """The case with spur gears of the same tool."""
+    return machine(**{ANGLE: "0 deg", "machine.gears.helix_hand": None})
+
+
+def test_volumes_are_those_of_slices() -> None:
+    case = ts.load_case(HELICAL)
+    found = api.prepare(case).machine
+    spec = case.machine_spec
+    assembly, twist = assemble(spec), spec.helix.twist
+    places = [assembly.table_places(gear, 720) for gear in (0, 1)]
+    leads = twist * ((np.arange(40) + 0.5) / 40 - 0.5)
+    areas = [
+        [section_areas(spaces) for spaces in assembly.spaces_at(*(p + lead for p in places))]
+        for lead in leads
+    ]
+    for gear in (0, 1):
+        expected = spec.drive.face_width * np.mean([area[gear] for area in areas], axis=0)
+        values = found.families[gear].volume.values[:, 0]
+        assert values.size == expected.size
+        np.testing.assert_allclose(values, expected, atol=2e-5 * expected.max())
+    assert found.displacement == pytest.approx(found.winding.section.displacement, rel=1e-12)
+
+
+def test_shares_of_all_slices_carry_the_whole_load() -> None:
+    contact = machine().contacts[0]
+    angles = np.linspace(0.0, 2.0 * np.pi, 50)
+    shares = contact.geometry(contact.phases + contact.angle_ratio * angles[:, None])[..., 1]
+    np.testing.assert_allclose(shares.sum(axis=1), 1.0, rtol=1e-6)
+
+
+def test_mirrored_hands_differ_in_the_sense_of_the_axial_force_alone() -> None:
+    right, left = solved("right"), solved("left")
+    np.testing.assert_array_equal(right.data["chamber_pressure"], left.data["chamber_pressure"])
+    np.testing.assert_array_equal(right.data["axial_force"], -left.data["axial_force"])
+    assert right.summary()["axial_force_N"] > 0.0
+
+
+@pytest.mark.parametrize("mesh", ["rigid", "elastic"])
+def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
+    """Pressure and contact add up on the drive gear and cancel on the driven one."""
+    found = solved("right", mesh)
+    numbers, case = found.summary(), ts.load_case(HELICAL)
+    radius = case.machine_spec.drive.tooth.reference_radius
+    friction = sum(v for k, v in numbers.items() if k.startswith("torque_loss_"))
+    moment = numbers["mean_torque_N_m"] - friction
+    drive, driven = found.data["axial_force"].mean("shaft_angle").values
+    assert drive == pytest.approx(moment * math.tan(math.radians(5.0)) / radius, rel=0.02)
+    assert abs(driven) < 0.03 * drive
+    assert numbers["mass_balance_error"] < 1e-7
+    assert numbers["energy_balance_error"] < 1e-5
+
+
+def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
+    with pytest.raises(CaseError, match="helix_hand"):
+        ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
+    with pytest.raises(CaseError, match="tooth_deviations"):
+        ts.load_case(HELICAL, ("machine.gears.tooth_deviations=gear.csv",))
+    with pytest.raises(CaseError, match="lateral"):
+        ts.simulate(HELICAL, run__fidelity="films")
+
+
+def test_a_tooth_space_that_joins_both_ports_is_named() -> None:
+    rules = {"short circuit through the chambers", "teeth that seal along the helix, drive gear"}
+    for width, passes in (("23.7 mm", True), ("250 mm", False)):
+        checks = machine(**{"machine.gears.face_width": width}).checks
+        assert {c.name: c.passed for c in checks if c.name in rules} == dict.fromkeys(rules, passes)

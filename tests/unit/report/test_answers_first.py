@@ -1,0 +1,47 @@
+"""Reports begin with the machine and the answer; what is met folds away."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tests.fake_solution import fake_description, fake_solution
+from toothspace.advice.findings import change_first
+from toothspace.core.finding import Finding
+from toothspace.report import report_html
+from toothspace.report.study import best_points
+from toothspace.studies.study import StudyTable
+
+
+@pytest.mark.usefixtures("few_figures")
+def test_what_is_met_folds_away() -> None:
+    page = report_html(fake_solution(), fake_description())
+    assert page.index('class="verdict"') < page.index("What to change first") < page.index("<table")
+    if "design rules are met" in page:
+        head = page[: page.index("design rules are met")]
+        assert head.rindex("<details>") > head.rindex("</section>")
+
+
+def test_the_first_change_is_the_worst_finding() -> None:
+    findings = [
+        Finding("limit", "A note.", severity="note"),
+        Finding("limit", "Hot.", severity="caution", advice="Cool it."),
+        Finding("warning", "Wrong.", severity="serious", advice="Mend it."),
+    ]
+    assert change_first(fake_solution(), findings) == "Wrong. Mend it."
+    assert change_first(fake_solution(), findings[:2]) == "Hot. Cool it."
+    told = change_first(fake_solution(), findings[:1])
+    assert told.startswith("Nothing has to be changed")
+    assert "W" in told
+    without = replace(fake_solution().ledger, energy={})
+    assert "Nothing" in change_first(replace(fake_solution(), ledger=without), ())
+
+
+def test_a_study_names_its_best_points() -> None:
+    head = ("machine.casing.radial_clearance (um)", "overall_efficiency", "pressure_ripple_bar")
+    rows = (("10 um", 0.90, 5.0), ("20 um", 0.92, 5.0), ("30 um", 0.91, float("nan")))
+    table = StudyTable("points", head, rows)
+    assert best_points(table) == [
+        "Most efficient: overall efficiency 92 % at Casing, radial clearance (µm) 20 um."
+    ]
