@@ -10,7 +10,7 @@ DEMO := demo_report
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo kernels test claims sample validate bench docs lint format clean
+.PHONY: help setup demo kernels test claims sample validate mutants bench docs lint format clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -56,6 +56,9 @@ validate: kernels  ## run slow tests and validation against published numbers
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m slow --deselect tests/validation/test_claims.py
 	mkdir -p build
 	$(BIN)/toothspace validate -o build/validation_book.html --force --workers $(WORKERS)
+
+mutants: kernels  ## spoil lines of the equations one by one; every one must be noticed by a test
+	$(BIN)/python -m benchmarks.mutants
 
 bench: kernels  ## print the table of benchmarks, write the speed pages
 	$(BIN)/python -m benchmarks

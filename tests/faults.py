@@ -1,9 +1,10 @@
 """Faults by the hundred: commands are killed, interrupted and starved at random moments.
 
-``python -m tests.faults --count 100`` starts ``run``, ``study`` and ``report`` so many times each,
-ends each at a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder:
-nothing half-written under a final name, no draft of a finished command, every result readable,
-no process left, and ``study --resume`` completes with the numbers of a study that was not ended.
+``python -m tests.faults --count 100`` starts every command that writes so many times, ends each at
+a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder: nothing
+half-written under a final name, no draft of a finished command, every result, case and unit
+readable, no process left, and ``study --resume`` completes with the numbers of a study that was not
+ended.
 A signal to Python before it has read the first file of the package is Python's to answer.
 Then limits on the size of files, full disks and temporary folders, folders that cannot be
 written, damaged caches, caches from the future, two processes on one cache, and too little
@@ -23,6 +24,8 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
+import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -38,6 +41,11 @@ CASES = REPOSITORY / "cases"
 ENDS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 _STARTUP = ["--set", "circuit.duration=0.2 s", "--set", "run.time_samples=4000"]
 _SWEEP = ["--set", "run.fidelity=ideal", "--workers", "2"]
+_MOTOR = "egm12_motor_profile"
+_PROFILE = CASES / "profiles" / "egm12_drive.txt"
+_COARSE = ["--set", "run.samples_per_revolution=36"]
+_LONGEST = 20.0
+"""Commands that take longer are ended within that time. [s]"""
 _GRACE = 30.0
 """Time that a command gets to end after a signal. [s]"""
 
@@ -48,6 +56,12 @@ def commands(folder: Path) -> dict[str, list[str]]:
         "run": ["run", str(CASES / "startup_blocked.toml"), "-o", f"{folder}/run.nc", *_STARTUP],
         "study": ["study", str(CASES / "sweep_clearance.toml"), "-o", f"{folder}/study", *_SWEEP],
         "report": ["report", f"{folder}/whole.nc", "-o", f"{folder}/report.html", "--force"],
+        "compare": ["compare", *2 * [f"{folder}/whole.nc"], "-o", f"{folder}/compare.html"],
+        "geometry": ["geometry", _MOTOR, "-o", f"{folder}/tables.nc", "--txt", f"{folder}/txt"],
+        "gear": ["gear", str(_PROFILE), "--case", f"{folder}/drafted.toml"],
+        "init": ["init", _MOTOR, f"{folder}/begun"],
+        "fmu": ["fmu", _MOTOR, "-o", f"{folder}/motor.fmu", "--model", "full"],
+        "reduce": ["reduce", _MOTOR, "-o", f"{folder}/films.nc", *_COARSE],
     }
 
 
@@ -90,6 +104,13 @@ def harm(folder: Path, *, killed: bool) -> Iterator[str]:
                 read_dataset(path)
             except CaseError as error:
                 yield str(error)
+        if path.suffix == ".toml":
+            try:
+                tomllib.loads(path.read_text("utf-8"))
+            except ValueError as error:
+                yield f"{path.name}: half-written, {error}"
+        if path.suffix == ".fmu" and not zipfile.is_zipfile(path):
+            yield f"{path.name}: half-written"
         if path.suffix == ".html" and not path.read_text("utf-8").rstrip().endswith("</html>"):
             yield f"{path.name}: half-written"
 
@@ -245,6 +266,17 @@ def main() -> int:
 
 
 def ends(name: str, whole: Path, longest: float, draw: random.Random, count: int) -> Iterator[str]:
+    if name == "reduce":
+        longest = _LONGEST
+    elif name not in ("run", "study"):
+        started = time.perf_counter()
+        with tempfile.TemporaryDirectory() as place:
+            (Path(place) / "whole.nc").write_bytes(whole.read_bytes())
+            process = start(commands(Path(place))[name])
+            code, messages = finish(process)
+        longest = min(time.perf_counter() - started, _LONGEST)
+        if code != 0:
+            yield f"{name}, left alone: code {code}: {messages[-300:]}"
     for _ in range(count):
         yield from end_at_random(name, whole, longest, draw)
 
@@ -257,7 +289,7 @@ def hunger(whole: Path, _longest: float, draw: random.Random, _count: int) -> It
 
 
 KINDS: Mapping[str, Callable[[Path, float, random.Random, int], Iterator[str]]] = {
-    **{name: partial(ends, name) for name in ("run", "study", "report")},
+    **{name: partial(ends, name) for name in commands(Path())},
     "hunger": hunger,
     "disks": lambda whole, _longest, _draw, _count: on_small_disks(whole),
     "caches": lambda whole, _longest, draw, _count: with_cache(whole, draw),

@@ -27,6 +27,15 @@ RUNS: dict[str, tuple[str, tuple[str, ...]]] = {
     "egm12_pump": ("egm12_pump", ()),
     "fuel14_pump": ("fuel14_pump", ("run.relative_tolerance=1e-6",)),
     "gerotor_trochoidal": ("gerotor_trochoidal", ()),
+    "unequal_pump": (
+        "egm12_pump",
+        (
+            "machine.driven_gear.tooth_count=15",
+            'machine.driven_gear.tip_diameter="48.9 mm"',
+            'operating_point.outlet_load="fixed_pressure"',
+        ),
+    ),
+    "crescent_pump": ("crescent_pump", ()),
     "startup": ("startup_fan_drive", ('circuit.duration="1.6 s"', "run.time_samples=400")),
     "startup_complete": (
         "startup_complete",

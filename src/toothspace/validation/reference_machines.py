@@ -209,6 +209,8 @@ _RATED = (
     "operating_point.outlet_pressure=175 bar",
 )
 """Limits of the fuel pump, with the inlet pressure of its second set of measurements."""
+_WARM = "heat.model=coupled"
+"""Films as warm as their own friction makes them, where the case leaves them cold."""
 
 
 def _solution(case: str, effort: Effort) -> Solution:
@@ -325,7 +327,7 @@ def _crescent(effort: Effort) -> Evidence:
 
 def _rated_fuel_pump(effort: Effort) -> dict[str, Any]:
     coarse = (_COARSE,) if effort == "short" else ()
-    return dict(solved("fuel14_pump", *_RATED, *coarse).summary())
+    return dict(solved("fuel14_pump", *_RATED, _WARM, *coarse).summary())
 
 
 def _fuel(effort: Effort) -> Evidence:
@@ -349,7 +351,8 @@ def _fuel_vapour(effort: Effort) -> Evidence:
 
 
 def _gerotor(case: str, low: float, high: float, effort: Effort) -> Evidence:
-    numbers = _machine(case, effort)
+    coarse = (_COARSE,) if effort == "short" else ()
+    numbers = dict(solved(case, _WARM, *coarse).summary())
     parts = _efficiencies(numbers, {"volumetric_efficiency": (low, high)})
     curves = _beside_measured(case) if effort == "full" else _over_angle(case, effort)
     return Evidence((*parts, *_pressures(numbers, fed=False), _temperature(numbers)), curves)

@@ -13,7 +13,7 @@ import toothspace as ts
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api
 from toothspace.advice.findings import findings_of
-from toothspace.app.server import Session
+from toothspace.app.answers import shown as shown_in_page
 from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.finding import Finding, status_line
@@ -76,9 +76,9 @@ def test_every_channel_tells_every_finding_once(
     streams = capsys.readouterr()
     entries = json.loads(streams.out)["findings"]
     assert entries == [finding.to_dict() for finding in solution.findings]
-    form = Session(tmp_path)
-    form.solution = solution
-    page = str(form.state()["result"])
+    page = " ".join(
+        f"{entry['text']} {entry['advice']}" for entry in shown_in_page(solution)["findings"]
+    )
     contents = report_contents(solution, solution.description)
     lines = [cell for line in document_lines(contents) for _, cell in line.cells]
     again = ts.load_solution(tmp_path / "egm12_motor.nc")

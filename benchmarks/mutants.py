@@ -1,0 +1,267 @@
+"""Spoils one line after another and asks the tests whether they notice: ``make mutants``.
+
+``python -m benchmarks.mutants`` puts every spoiled line of the list below into a copy of the
+package and runs the behaviour tests of its room there, without stored numbers. ``--random N`` draws
+further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``. Each
+run has a cache of its own, as compiled code follows the sources. The table says which test saw
+what; ``-o`` keeps it as JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+SOURCES = REPOSITORY / "src" / "toothspace"
+LIMIT = 900.0
+"""Longest time for the tests of one spoiled line: a march without end is noticed, too. [s]"""
+ROOMS = {
+    "closures": ("tests/unit/closures", "tests/properties"),
+    "circuit": ("tests/unit/circuit",),
+    "films": ("tests/unit/films",),
+    "floating": ("tests/unit/floating",),
+    "gearing": ("tests/unit/gearing", "tests/unit/geometry/test_geometry_gear_pair.py"),
+    "geometry": ("tests/unit/geometry",),
+    "machines": ("tests/unit/machines", "tests/unit/gearing"),
+    "model": ("tests/unit/model", "tests/unit/circuit", "tests/unit/solver"),
+    "numerics": ("tests/unit/numerics",),
+    "results": ("tests/unit/results",),
+    "solver": ("tests/unit/solver", "tests/unit/run"),
+}
+"""Behaviour tests of each package: they run in minutes and compare with no stored number."""
+
+OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Lt: ">", ast.Gt: "<"}
+"""What stands in place of an operator."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A line that is spoiled."""
+
+    file: str
+    """File below the package."""
+    before: str
+    """Text that stands there once."""
+    after: str
+    """Text in its place."""
+    tests: tuple[str, ...]
+    """Files or folders of tests that must notice."""
+    place: int = -1
+    """Where the text begins; found by the text if negative."""
+
+    def spoiled(self, text: str) -> str:
+        """Source with this line spoiled."""
+        place = self.place if self.place >= 0 else text.index(self.before)
+        if self.place < 0 and text.count(self.before) != 1:
+            raise ValueError(f"{self.file}: {self.before!r} stands {text.count(self.before)} times")
+        return text[:place] + self.after + text[place + len(self.before) :]
+
+
+MUTANTS = (
+    Mutant(
+        "model/chambers.py",
+        "energy = 0.5 * node[col.WALL_COMPLIANCE]",
+        "energy = 0.55 * node[col.WALL_COMPLIANCE]",
+        ("tests/unit/model/test_wall_energy.py",),
+    ),
+    Mutant(
+        "films/reynolds/equation.py",
+        "rate = open_part * change.rate[i, j] + curve",
+        "rate = open_part * change.rate[i, j] - curve",
+        ("tests/unit/films/test_film_derivatives.py",),
+    ),
+    Mutant(
+        "films/journal/solution.py",
+        "self.power_loss + self.solved.exchange.power",
+        "self.power_loss - self.solved.exchange.power",
+        ("tests/unit/films/test_film_derivatives.py",),
+    ),
+    Mutant(
+        "gearing/flank_contacts.py",
+        "teeth.sort(key=lambda tooth: -tooth[1])",
+        "teeth.sort(key=lambda tooth: tooth[1])",
+        ("tests/unit/gearing/test_tooth_flexibility.py",),
+    ),
+    Mutant(
+        "machines/crescent/flow_paths.py",
+        "2.0 * notch.width * depth / (notch.width + depth)",
+        "4.0 * notch.width * depth / (notch.width + depth)",
+        ("tests/unit/machines/test_crescent_notch.py",),
+    ),
+    Mutant(
+        "closures/accumulator.py",
+        "gas_volume * precharge / (polytropic_exponent - 1.0)",
+        "gas_volume * precharge / (polytropic_exponent + 1.0)",
+        ("tests/unit/model/test_wall_energy.py",),
+    ),
+    Mutant(
+        "films/reynolds/state.py",
+        "power -= float((out * pressure)",
+        "power += float((out * pressure)",
+        ("tests/unit/films/test_film_derivatives.py",),
+    ),
+    Mutant(
+        "solver/flow_regime.py",
+        "np.asarray(2.0 * np.abs(mass_flow)",
+        "np.asarray(1.0 * np.abs(mass_flow)",
+        ("tests/unit/solver/test_flow_regime.py",),
+    ),
+    Mutant(
+        "solver/flow_regime.py",
+        "first += element.states",
+        "first += 1",
+        ("tests/unit/solver/test_flow_regime.py",),
+    ),
+    Mutant(
+        "advice/findings.py",
+        "highest = float(np.sqrt(2.0 * low",
+        "highest = float(np.sqrt(4.0 * low",
+        ("tests/unit/advice/test_limits.py",),
+    ),
+    Mutant(
+        "advice/gear_rules.py",
+        "passed=least <= backlash <= most",
+        "passed=backlash <= most",
+        ("tests/unit/advice/test_findings_of_a_drawing.py",),
+    ),
+    Mutant(
+        "case/conditions.py",
+        "20_000_000 if over_time else 4_000_000",
+        "20_000_000",
+        ("tests/unit/case/test_step_limit.py",),
+    ),
+)
+"""Lines that a reader once spoiled, and that no fast test had seen, with newer ones."""
+
+
+def random_mutants(count: int, seed: int, room: str | None) -> Iterator[Mutant]:
+    """Draw spoiled operators and constants in formulas of the rooms."""
+    draw = random.Random(seed)
+    rooms = [room] if room else list(ROOMS)
+    for _ in range(count):
+        chosen = draw.choice(rooms)
+        file = draw.choice(sorted((SOURCES / chosen).rglob("*.py")))
+        text = file.read_text(encoding="utf-8")
+        found = list(_places(text))
+        if found:
+            place, before, after = draw.choice(found)
+            name = file.relative_to(SOURCES).as_posix()
+            yield Mutant(name, before, after, ROOMS[chosen], place)
+
+
+def _places(text: str) -> Iterator[tuple[int, str, str]]:
+    """Where operators and constants of formulas stand, and what may stand there instead."""
+    lines = [0]
+    for line in text.splitlines(keepends=True):
+        lines.append(lines[-1] + len(line))
+
+    def at(line: int, column: int) -> int:
+        return lines[line - 1] + len(text.splitlines()[line - 1].encode()[:column].decode())
+
+    formulas = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef)]
+    for function in formulas:
+        for node in ast.walk(function):
+            operands = []
+            if isinstance(node, ast.BinOp):
+                operands = [(node.left, node.op, node.right)]
+            elif isinstance(node, ast.Compare) and len(node.ops) == 1:
+                operands = [(node.left, node.ops[0], node.comparators[0])]
+            for left, operator, right in operands:
+                sign = OPERATORS.get(type(operator))
+                begin = at(left.end_lineno or 0, left.end_col_offset or 0)
+                between = text[begin : at(right.lineno, right.col_offset)]
+                if sign and len(between.strip(" ()\n")) == 1:
+                    yield begin, between, between.replace(between.strip(" ()\n"), sign)
+            if isinstance(node, ast.Constant) and isinstance(node.value, float) and node.value:
+                begin, end = (
+                    at(node.lineno, node.col_offset),
+                    at(node.lineno, node.end_col_offset or 0),
+                )
+                yield begin, text[begin:end], repr(1.1 * node.value)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the tests said of a spoiled line."""
+
+    mutant: Mutant
+    outcome: str
+    """``killed``, ``survived`` or ``timed out``, which is noticed as well."""
+    test: str
+    """First test that failed."""
+    seconds: float
+
+
+def judged(mutant: Mutant) -> Verdict:
+    """Run the tests of a spoiled line against a copy of the package."""
+    started = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "toothspace"
+        shutil.copytree(SOURCES, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        file = copy / mutant.file
+        file.write_text(mutant.spoiled(file.read_text(encoding="utf-8")), encoding="utf-8")
+        environment = {
+            **os.environ,
+            "PYTHONPATH": folder,
+            "TOOTHSPACE_CACHE": str(Path(folder) / "cache"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
+        try:
+            done = subprocess.run(
+                [*command, *mutant.tests],
+                cwd=REPOSITORY,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=LIMIT,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return Verdict(mutant, "timed out", "", time.perf_counter() - started)
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    outcome = "survived" if done.returncode == 0 else "killed"
+    if done.returncode not in {0, 1}:
+        # tests that cannot be read say nothing of the line
+        outcome = "not judged"
+    test = lines[0].split(" - ")[0] if lines else ""
+    return Verdict(mutant, outcome, test, time.perf_counter() - started)
+
+
+def main() -> int:
+    """Judge the list, or lines drawn at random; 1 if a line of the list survives."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
+    parser.add_argument("--random", type=int, default=0, help="so many lines drawn, not the list")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--room", choices=sorted(ROOMS))
+    parser.add_argument("-o", "--output", type=Path, help="verdicts as JSON")
+    given = parser.parse_args()
+    chosen = list(random_mutants(given.random, given.seed, given.room)) or list(MUTANTS)
+    verdicts = []
+    for mutant in chosen:
+        verdict = judged(mutant)
+        verdicts.append(verdict)
+        change = f"{mutant.before.strip()} -> {mutant.after.strip()}"
+        line = f"{verdict.outcome:9}  {verdict.seconds:5.0f} s  {mutant.file}: {change}"
+        print(f"{line}  {verdict.test}", flush=True)
+    survived = sum(verdict.outcome in {"survived", "not judged"} for verdict in verdicts)
+    print(f"{len(verdicts) - survived} of {len(verdicts)} spoiled lines were noticed")
+    if given.output:
+        given.output.write_text(json.dumps([asdict(v) for v in verdicts], indent=1) + "\n", "utf-8")
+    return int(survived > 0 and not given.random)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,84 @@
+"""How the storage of a film changes with its motion, and where its heat comes from."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from toothspace.films import Groove, JournalBearing, RoughSurfaces
+from toothspace.films.reynolds.equation import (
+    FilmGrid,
+    FluidField,
+    GapField,
+    film_balance,
+    vary_storage,
+)
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, flow_law
+
+ROWS, LANES = 3, 2
+ROUGH = RoughSurfaces(
+    moving_roughness=0.3e-6, resting_roughness=0.2e-6, moving_pattern=3.0, resting_pattern=1 / 3
+)
+
+
+def grid() -> FilmGrid:
+    return FilmGrid(
+        shape_x=np.ones((ROWS + 1, LANES)),
+        shape_y=np.ones((ROWS, LANES + 1)),
+        sweep_x=np.zeros((ROWS + 1, LANES)),
+        sweep_y=np.zeros((ROWS, LANES + 1)),
+        area=np.linspace(1e-6, 2e-6, ROWS * LANES).reshape(ROWS, LANES),
+        mark=np.zeros((ROWS, LANES), dtype=np.int64),
+        prescribed=np.zeros((ROWS, LANES)),
+        west=np.zeros(LANES),
+        east=np.zeros(LANES),
+        south=np.zeros(ROWS),
+        north=np.zeros(ROWS),
+        ring=False,
+    )
+
+
+def gaps(centre: np.ndarray, rate: np.ndarray) -> GapField:
+    faces = np.full((ROWS + 1, LANES), 1e-6), np.full((ROWS, LANES + 1), 1e-6)
+    return GapField(centre, *faces, rate, np.full((ROWS, LANES), 0.1e-6))
+
+
+@pytest.mark.parametrize("law", [SMOOTH, flow_law(ROUGH, 1.0)], ids=["smooth", "rough"])
+def test_storage_varies_as_the_balance_says(law: FlowLaw) -> None:
+    """Central differences along a motion that changes gap and rate together."""
+    random = np.random.default_rng(7)
+    centre = random.uniform(0.5e-6, 1.2e-6, (ROWS, LANES))
+    rate = random.uniform(-1e-3, -1e-4, (ROWS, LANES))
+    change = gaps(
+        *random.uniform(0.5, 1.0, (2, ROWS, LANES)) * np.array([1.0, 500.0])[:, None, None]
+    )
+    fluid = FluidField(np.full((ROWS, LANES), 30.0), random.uniform(0.9, 1.0, (ROWS, LANES)))
+
+    def storage(step: float) -> np.ndarray:
+        moved = gaps(centre + step * change.centre, rate + step * change.rate)
+        return film_balance(grid(), moved, fluid, 0.0, law).storage
+
+    step = 1e-10
+    expected = (storage(step) - storage(-step)) / (2.0 * step)
+    found = vary_storage(grid(), gaps(centre, rate), fluid, law, change)
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_oil_that_a_supply_presses_through_a_bearing_at_rest_warms_it() -> None:
+    """Nothing turns: all heat is the work of the supply, its flow times its pressure difference."""
+    bearing = JournalBearing(
+        diameter=20e-3,
+        length=20e-3,
+        radial_clearance=20e-6,
+        dynamic_viscosity=0.03,
+        grid=(72, 21),
+        end_pressure=1e5,
+        cavitation_pressure=0.0,
+        grooves=(Groove(angle=0.0, width=0.5, length=8e-3, pressure=21e5),),
+    )
+    film = bearing.solve(eccentricity=(0.2, 0.0), shaft_speed=0.0)
+    assert film.dissipated_power == pytest.approx(film.side_flow * 20e5, rel=1e-9)
+    turning = bearing.solve(eccentricity=(0.2, 0.0), shaft_speed=50.0 * pi)
+    assert turning.dissipated_power > turning.power_loss
