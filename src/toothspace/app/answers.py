@@ -33,7 +33,11 @@ _CURVES = (
     ("inlet_flow_rate", "Inlet flow", "L/min", _LITRE_PER_MINUTE),
     ("shaft_torque", "Shaft torque", "N m", 1.0),
 )
-"""Variables over the shaft angle: name, label, unit, factor to it."""
+_OVER_TIME = (
+    ("shaft_speed", "Shaft speed", "rpm", 30.0 / np.pi),
+    ("pressure_difference", "Pressure difference", "bar", 1.0 / _BAR),
+)
+"""Variables over the shaft angle, and over time: name, label, unit, factor to it."""
 
 
 @final
@@ -133,7 +137,21 @@ def shown(solution: Solution) -> dict[str, Any]:
     ]
     if "shaft_angle" in solution.data.sizes and solution.description is not None:
         found["turn"] = _turn(solution, solution.description)
+    elif "time" in solution.data.sizes:
+        found["course"] = _course(solution)
     return found
+
+
+def _course(solution: Solution) -> dict[str, Any]:
+    """Curves over time, thinned to what a screen shows."""
+    data = solution.data
+    time = np.asarray(data["time"])
+    own = slice(None, None, max(1, -(-time.size // (2 * _MOST_POINTS))))
+    curves = {}
+    for name, label, unit, factor in (*_OVER_TIME, *_CURVES):
+        if name in data and data[name].dims == ("time",):
+            curves[name] = _curve(label, unit, factor * np.asarray(data[name])[own])
+    return {"time": rounded(time[own]), "curves": curves}
 
 
 def _turn(solution: Solution, description: MachineDescription) -> dict[str, Any]:

@@ -87,7 +87,9 @@ class Computations:
         self._answers.move_to_end(design)
         while len(self._answers) > _KEPT_DESIGNS:
             self._answers.popitem(last=False)
-        case = self.case(tables)
+        case = self.case(tables).at_point({})
+        if case.operating_point is None and case.circuit is None:
+            return {**_stand_alone(case), "findings": [], "losses": []}
         with reporting_to(self._told):
             solve = answers.full if full else answers.quick
             found = solve(case, self._told)
@@ -118,7 +120,9 @@ class Computations:
             if case.study is not None:
                 return self._study(case, target, resume=resume)
             if case.operating_point is None and case.circuit is None:
-                return self._stand_alone(case, target)
+                found = _stand_alone(case)
+                write_text(target / "result.json", json.dumps(found["numbers"], indent=2))
+                return found
             from toothspace.api import simulate
 
             solution = simulate(case, self._told)
@@ -145,14 +149,6 @@ class Computations:
                 {name: v for name, v in result.summary().items() if isinstance(v, int | float)}
             ),
         }
-
-    def _stand_alone(self, case: Case, target: Path) -> dict[str, Any]:
-        from toothspace.api import solve_bearing, solve_film
-
-        solve = solve_bearing if case.bearing is not None else solve_film
-        numbers = plain(solve(case))
-        write_text(target / "result.json", json.dumps(numbers, indent=2))
-        return {"status": numbers["status"], "done": True, "sentence": "", "numbers": numbers}
 
     def unit(self, tables: Mapping[str, Any], folder: str) -> dict[str, Any]:
         """Write the machine as a functional mock-up unit of its steady runs."""
@@ -202,6 +198,21 @@ class Computations:
         from toothspace.api import new_case
 
         return new_case(machine, **values)
+
+
+def _stand_alone(case: Case) -> dict[str, Any]:
+    """Numbers of a bearing or a film alone."""
+    from toothspace.api import solve_bearing, solve_film
+
+    solve = solve_bearing if case.bearing is not None else solve_film
+    numbers = plain(solve(case))
+    status = str(numbers["status"])
+    return {
+        "status": status,
+        "done": Status[status.upper()].succeeded,
+        "sentence": status,
+        "numbers": {name: v for name, v in numbers.items() if isinstance(v, int | float)},
+    }
 
 
 def _write(solution: Any, path: Path, ending: str) -> None:

@@ -10,6 +10,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.types import Array
 from toothspace.geometry.gear_finder import FileContents, FoundGear, axis_distance
 from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
@@ -27,7 +28,9 @@ _MODULES = 1e-3 * np.array([0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.125, 1.25,
 _PITCHES = np.concatenate([np.arange(1.0, 6.0, 0.25), np.arange(6.0, 21.0), np.arange(22.0, 66, 2)])
 """Diametral pitches in use. [1/in]"""
 _INCH = 25.4e-3
-_MATCH = 3e-4
+_ROUNDS = 30
+_MATCH, _HELICAL_MATCH = 3e-4, 3e-3
+"""How far a module may be from one in use: of spur teeth, and of a helix known to 1 %. [-]"""
 
 
 @final
@@ -49,6 +52,18 @@ class GearData:
     """Whether module or diametral pitch is one in use; else the pressure angle is assumed to be 20
     deg.
     """
+    helix_angle: float = 0.0
+    """Helix angle on the reference circle, positive for a right-hand helix. [rad]"""
+
+    @property
+    def normal_module(self) -> float:
+        """Module in the section across the teeth. [m]."""
+        return float(self.module * np.cos(self.helix_angle))
+
+    @property
+    def normal_pressure_angle(self) -> float:
+        """Pressure angle in the section across the teeth. [rad]."""
+        return float(np.arctan(np.tan(self.pressure_angle) * np.cos(self.helix_angle)))
 
     @property
     def diametral_pitch(self) -> float:
@@ -56,7 +71,7 @@ class GearData:
         return _INCH / self.module
 
 
-def gear_data(profile: GearProfile) -> GearData | None:
+def gear_data(profile: GearProfile, helix_angle: float = 0.0) -> GearData | None:
     r"""Data of the gear behind a profile with involute flanks.
 
     The data; None where the flanks are no involutes.
@@ -64,13 +79,17 @@ def gear_data(profile: GearProfile) -> GearData | None:
     Parameters
     ----------
     profile : GearProfile
-        One tooth pitch.
+        One tooth pitch, of the transverse section.
+    helix_angle : float
+        Helix angle on the circle halfway up the teeth, 0 for spur teeth. [rad]
 
     Notes
     -----
     An involute profile holds the product :math:`m \cos\alpha = 2 r_b / z` only. Of the usual
     pressure angles the first is taken that gives a module of ISO 54 or a whole diametral pitch
-    within 0.03 %. The profile shift follows from the tooth thickness,
+    within 0.03 %; those of helical teeth are in use across the teeth,
+    :math:`\tan\alpha_t = \tan\alpha_n / \cos\beta`, :math:`m_t = m_n / \cos\beta`, within 0.3 %.
+    The profile shift follows from the tooth thickness,
     :math:`\vartheta_b = \pi/(2z) + 2 x \tan\alpha / z + \mathrm{inv}\,\alpha`.
 
     References
@@ -81,11 +100,17 @@ def gear_data(profile: GearProfile) -> GearData | None:
     flank = profile.involute
     if flank is None:
         return None
+    middle = 0.5 * (profile.root_radius + profile.tip_radius)
+    # turn of the teeth along the axis: the same at every radius
+    turn = np.tan(helix_angle) / middle
+    angles, helices = _transverse(_ANGLES, turn, flank.base_radius)
     product = 2.0 * flank.base_radius / profile.tooth_count
     known = np.concatenate([_MODULES, _INCH / _PITCHES])
-    off = [np.min(np.abs(known / (product / np.cos(angle)) - 1.0)) for angle in _ANGLES]
-    fitting = np.flatnonzero(np.array(off) < _MATCH)
-    angle = float(_ANGLES[fitting[0] if fitting.size else 0])
+    modules = product / np.cos(angles) * np.cos(helices)
+    off = np.abs(known / modules[:, None] - 1.0).min(axis=1)
+    fitting = np.flatnonzero(off < (_HELICAL_MATCH if helix_angle else _MATCH))
+    chosen = fitting[0] if fitting.size else 0
+    angle = float(angles[chosen])
     half = flank.base_half_angle - float(involute_function(angle))
     shift = 0.5 * (half * profile.tooth_count - 0.5 * np.pi) / np.tan(angle)
     return GearData(
@@ -95,7 +120,20 @@ def gear_data(profile: GearProfile) -> GearData | None:
         profile_shift=float(shift),
         tip_rounding=tip_rounding(flank, profile.tip_radius),
         standard=fitting.size > 0,
+        helix_angle=float(helices[chosen]),
     )
+
+
+def _transverse(normal_angles: Array, turn: float, base_radius: float) -> tuple[Array, Array]:
+    """Transverse pressure angles [rad] and helix angles [rad] on the reference circle.
+
+    ``turn`` is that of the teeth along the axis. [rad/m]
+    """
+    helices = np.zeros_like(normal_angles)
+    for _ in range(_ROUNDS):
+        angles = np.arctan(np.tan(normal_angles) / np.cos(helices))
+        helices = np.arctan(turn * base_radius / np.cos(angles))
+    return angles, helices
 
 
 def tip_rounding(flank: InvoluteFlank, tip_radius: float) -> float:
@@ -152,21 +190,26 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
     scales : mapping
         Length of each unit over the one that the file was read in. [-]
     """
-    profile = contents.gears[0].detected.profile
-    data = gear_data(profile)
+    profile, helix = contents.gears[0].detected.profile, contents.gears[0].helix_angle
+    data = gear_data(profile, helix)
     if data is None or data.standard:
         return []
-    known = {name: gear_data(profile.scaled(scale)) for name, scale in scales.items()}
+    known = {name: gear_data(profile.scaled(scale), helix) for name, scale in scales.items()}
     return [name for name, found in known.items() if found is not None and found.standard]
 
 
 def flank_warnings(contents: FileContents) -> list[str]:
-    """What the flanks of the gears leave uncertain: base diameters not known to 3 um.
+    """What the flanks of the gears leave uncertain: taper, base diameters not known to 3 um.
 
-    One line for each such gear, with its form error and chords.
+    One line for each such gear, with its taper, or its form error and chords.
     """
     lines = []
     for gear in contents.gears:
+        if gear.taper:
+            lines.append(
+                f"{_called(gear)}: its teeth taper by {np.rad2deg(gear.taper):.2g} deg along the "
+                "axis, as drafted, conical or bevel ones; the numbers are those of one section"
+            )
         fit, chord = gear.detected.involute, 1e6 * gear.detected.chord_height
         if fit is not None and fit.base_diameter_uncertainty > CERTAIN_BASE_DIAMETER:
             lines.append(
@@ -190,6 +233,7 @@ def gear_report(found: FoundGear) -> dict[str, object]:
         "root_diameter_mm": 2e3 * profile.root_radius,
         "face_width_mm": None if found.face_width is None else 1e3 * found.face_width,
         "helix_angle_deg": float(np.rad2deg(found.helix_angle)),
+        "taper_deg": float(np.rad2deg(found.taper)),
         "axis": [float(value) for value in found.axis],
         "center_mm": [1e3 * float(value) for value in found.center],
         "chord_height_um": 1e6 * found.detected.chord_height,
@@ -199,22 +243,26 @@ def gear_report(found: FoundGear) -> dict[str, object]:
 
 
 def _involute_numbers(found: FoundGear) -> dict[str, object]:
-    fit, data = found.detected.involute, gear_data(found.detected.profile)
+    fit, data = found.detected.involute, gear_data(found.detected.profile, found.helix_angle)
     if fit is None or data is None:
         return {}
-    teeth = found.detected.involute
-    if teeth is None or len(teeth.left_offset) < found.detected.tooth_count:
-        of_pitch = {}
-    else:
+    of_pitch = {}
+    if len(fit.left_offset) >= found.detected.tooth_count:
         profile = found.detected.profile
-        pitch = teeth.pitch_deviation(0.5 * (teeth.flank.form_radius + profile.tip_radius))
+        pitch = fit.pitch_deviation(0.5 * (fit.flank.form_radius + profile.tip_radius))
         of_pitch = {
             "single_pitch_deviation_um": 1e6 * pitch.single,
             "cumulative_pitch_deviation_um": 1e6 * pitch.cumulative,
             "run_out_um": 1e6 * pitch.run_out,
         }
+    across = {
+        "normal_module_mm": 1e3 * data.normal_module,
+        "normal_pressure_angle_deg": float(np.rad2deg(data.normal_pressure_angle)),
+        "reference_helix_angle_deg": float(np.rad2deg(data.helix_angle)),
+    }
     return {
         "module_mm": 1e3 * data.module,
+        **(across if data.helix_angle else {}),
         "diametral_pitch_1_per_in": data.diametral_pitch,
         "pressure_angle_deg": float(np.rad2deg(data.pressure_angle)),
         "pressure_angle_from": "standard module or pitch" if data.standard else "assumed",

@@ -50,6 +50,8 @@ class FoundGear:
     """Helix angle on the circle halfway up the teeth, positive for a right-hand helix, 0 for spur
     teeth. [rad]
     """
+    taper: float = 0.0
+    """Angle by which the teeth narrow along the axis, as drafted, conical or bevel ones. [rad]"""
 
 
 @final
@@ -101,19 +103,11 @@ def find_gears(
     tooth_count : int or None
         Needed for the outline of a single pitch.
     """
-    import shapely
-
     with reading(path, "the closed outline of a gear with equal teeth"):
         if is_solid(path):
             return _gears_of_solids(path, unit, request or SectionRequest())
         curves = load_closed_curves(path, unit, layer=layer)
-        # a toothed bore lies inside its gear
-        toothed: list[Array] = []
-        with_teeth = [curve for curve in curves if repeating_teeth(curve) is not None]
-        for outline in sorted(with_teeth, key=lambda curve: -abs(signed_area(curve))):
-            inside = shapely.Point(outline[0])
-            if not any(shapely.Polygon(other).contains(inside) for other in toothed):
-                toothed.append(outline)
+        toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
         if tooth_count is not None or not toothed:
             toothed = curves[:1]
         gears = []
@@ -198,24 +192,6 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
         said = f" ({_place(cut)})"
         raise error.changed(lambda one: one._replace(allowed=one.allowed + said)) from error
     teeth = cut.teeth_extent
-    if cut.second is None or cut.second_height == cut.height:
-        helix = 0.0
-    else:
-        pitch = 2.0 * np.pi / detected.tooth_count
-        center = np.array(detected.center)
-        first, second = (
-            area_phase(counter_clockwise(curve) - center, detected.tooth_count)
-            for curve in (cut.curves[0], cut.second)
-        )
-        turn = (first - second + 0.5 * pitch) % pitch - 0.5 * pitch
-        radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
-        shift = radius * abs(turn)
-        angle = float(np.arctan(radius * turn / (cut.height - cut.second_height)))
-        chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
-        if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
-            helix = 0.0
-        else:
-            helix = angle
     return FoundGear(
         file=path,
         name=cut.name,
@@ -225,7 +201,8 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
         center=frame.T @ np.array([*detected.center, cut.height]),
         face_width=None if teeth is None else teeth[1] - teeth[0],
         length=cut.extent[1] - cut.extent[0],
-        helix_angle=helix,
+        helix_angle=_helix_angle(cut, detected),
+        taper=_taper(cut, detected),
     )
 
 
@@ -236,6 +213,51 @@ def _place(cut: BodySection) -> str:
         f"section of body {cut.body} at {cut.height * 1e3:.5g} mm of its extent {low:.5g} to "
         f"{high:.5g} mm along ({along}); profile_axis and profile_plane choose another"
     )
+
+
+def _helix_angle(cut: BodySection, detected: DetectedGear) -> float:
+    # turn of the teeth between two sections
+    if cut.second is None or cut.second_height == cut.height:
+        return 0.0
+    pitch = 2.0 * np.pi / detected.tooth_count
+    center = np.array(detected.center)
+    first, second = (
+        area_phase(counter_clockwise(curve) - center, detected.tooth_count)
+        for curve in (cut.curves[0], cut.second)
+    )
+    turn = (first - second + 0.5 * pitch) % pitch - 0.5 * pitch
+    radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
+    shift = radius * abs(turn)
+    angle = float(np.arctan(radius * turn / (cut.height - cut.second_height)))
+    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
+    if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
+        return 0.0
+    return angle
+
+
+def _taper(cut: BodySection, detected: DetectedGear) -> float:
+    """Change of tip circle or size between two sections over their distance, as an angle. [rad]."""
+    if cut.second is None or cut.second_height == cut.height:
+        return 0.0
+    curves = [curve - np.array(detected.center) for curve in (cut.curves[0], cut.second)]
+    tips = [float(np.hypot(*curve.T).max()) for curve in curves]
+    sizes = [float(np.sqrt(abs(signed_area(curve)) / np.pi)) for curve in curves]
+    change = max(abs(tips[0] - tips[1]), abs(sizes[0] - sizes[1]))
+    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
+    angle = float(np.arctan(change / abs(cut.height - cut.second_height)))
+    return 0.0 if change < max(_CHORDS * chords, _LEAST_SHIFT) or angle < _LEAST_HELIX else angle
+
+
+def _outermost(curves: list[Array]) -> list[Array]:
+    # a toothed bore lies inside its gear
+    import shapely
+
+    kept: list[Array] = []
+    for curve in sorted(curves, key=lambda c: -abs(signed_area(c))):
+        inside = shapely.Point(curve[0])
+        if not any(shapely.Polygon(other).contains(inside) for other in kept):
+            kept.append(curve)
+    return kept
 
 
 def _by_size(gears: list[FoundGear]) -> tuple[FoundGear, ...]:

@@ -257,6 +257,33 @@ def test_a_changed_groove_answers_from_the_last_cyclic_state(client: Client) -> 
     assert content.startswith(b"shaft_angle [rad]")
 
 
+def test_bearings_alone_and_cases_with_a_study_answer(client: Client) -> None:
+    bearing = client.design(case="journal_bearing")
+    code, found = client.post(f"/api/designs/{bearing['id']}/answer", {})
+    assert code == 200, found
+    assert found["numbers"]["friction_torque_N_m"] != 0.0
+    assert client.post(f"/api/designs/{bearing['id']}/look", {}) == (200, {})
+    tables = client.design(case="efficiency_map_egm12")["tables"]
+    tables["run"] = {**tables["run"], "fidelity": "ideal"}
+    study = client.design(tables=tables)
+    code, found = client.post(f"/api/designs/{study['id']}/answer", {})
+    assert (code, found["status"]) == (200, "done")
+
+
+def test_two_tabs_do_not_take_each_others_answers(client: Client) -> None:
+    design = client.design()
+    path, found = f"/api/designs/{design['id']}/answer", list[Any]()
+    threads = [
+        threading.Thread(target=lambda tab=tab: found.append(client.post(path, {"tab": tab})))
+        for tab in ("one", "two")
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [answer["status"] for _, answer in found] == ["done", "done"]
+
+
 def test_files_elsewhere_are_refused(
     client: Client, tmp_path_factory: pytest.TempPathFactory
 ) -> None:

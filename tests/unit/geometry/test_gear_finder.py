@@ -15,7 +15,7 @@ from toothspace.geometry import cad_import, limited_reading
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import load_closed_curves
-from toothspace.geometry.gear_data import gear_data
+from toothspace.geometry.gear_data import flank_warnings, gear_data
 from toothspace.geometry.gear_finder import find_gears
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 
@@ -219,3 +219,40 @@ def test_large_files_are_read_within_the_limits(
     path.write_bytes(path.read_bytes() + b"\n")
     with pytest.raises(GeometryError, match=f"found a {suffix.upper()} file that takes more than"):
         load_closed_curves(path)
+
+
+@pytest.mark.parametrize("angle", [15.0, -25.0])
+def test_helical_gears_have_the_module_of_their_tool(tmp_path: Path, angle: float) -> None:
+    """Normal module 2.75 mm, 20 deg, a helix on the reference circle: transverse by ISO 21771."""
+    helix = np.deg2rad(angle)
+    transverse = InvoluteGear(
+        12,
+        2.75e-3 / np.cos(helix),
+        np.arctan(np.tan(np.deg2rad(20.0)) / np.cos(helix)),
+        0.3 * np.cos(helix),
+        42e-3,
+    )
+    outline = generate_profile(transverse, 200).closed_polygon() * 1e3
+    reference = 0.5 * 12 * transverse.module
+    twist = WIDTH * np.tan(helix) / reference
+    path = write_stl(tmp_path / "helical.stl", outline_solid(outline, twist, 24))
+    (found,) = find_gears(path, 1e-3).gears
+    data = gear_data(found.detected.profile, found.helix_angle)
+    assert data.standard
+    assert np.rad2deg(data.helix_angle) == pytest.approx(angle, rel=0.01)
+    assert data.normal_module == pytest.approx(2.75e-3, rel=2e-3)
+    assert np.rad2deg(data.normal_pressure_angle) == pytest.approx(20.0, abs=0.01)
+    assert data.profile_shift / np.cos(data.helix_angle) == pytest.approx(0.3, abs=0.01)
+
+
+@pytest.mark.parametrize("draft", [0.0, 0.5, 1.5, 30.0])
+def test_teeth_that_taper_are_named(tmp_path: Path, draft: float) -> None:
+    """Drafted, conical and bevel teeth: sections shrink along the axis by tan(draft)."""
+    mesh = gear_mesh(points=120, layers=4)
+    share = np.tan(np.deg2rad(draft)) * mesh.vertices[:, 2] / (1e3 * MOTOR.tip_radius)
+    mesh.vertices[:, :2] *= 1.0 - share[:, None]
+    contents = find_gears(write_stl(tmp_path / "gear.stl", mesh), 1e-3)
+    assert np.rad2deg(contents.gears[0].taper) == pytest.approx(draft, rel=0.05, abs=1e-9)
+    assert [line for line in flank_warnings(contents) if "taper" in line] == (
+        [] if draft == 0.0 else flank_warnings(contents)[:1]
+    )

@@ -16,7 +16,7 @@ let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Pro
 window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [] };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
-const curves = new Curves(by("curves"), angle => turnTo(angle)), areas = new Curves(by("openings"));
+const curves = new Curves(by("curves"), angle => { if (answer?.turn) turnTo(angle); }), areas = new Curves(by("openings"));
 by("stop").onclick = () => attempt(() => ask(`/api/designs/${design.id}/stop`, { tab: TAB }));
 const say = message => { by("state").textContent = message; by("stop").hidden = !message.endsWith("…"); };
 async function attempt(work) { try { complain(null); return await work(); } catch (error) { complain(error); say(""); return null; } }
@@ -171,7 +171,8 @@ function showAnswer() {
   if (!by("panel-variants").hidden) showVariants();
   const before = ghost?.numbers ?? {};
   by("verdict").textContent = sentence(); by("verdict").className = answer.done ? "" : "bad";
-  by("tiles").replaceChildren(...TILES.filter(key => typeof answer.numbers[key] === "number").map(key => tile(key, answer.numbers[key], before[key])));
+  const own = TILES.filter(key => typeof answer.numbers[key] === "number"), shown = own.length ? own : Object.keys(answer.numbers).filter(key => typeof answer.numbers[key] === "number");
+  by("tiles").replaceChildren(...shown.map(key => tile(key, answer.numbers[key], before[key])));
   by("ghost-note").textContent = ghost ? "Dashed grey: the state before the last change." : "";
   if (answer.turn) {
     const all = answer.turn.curves, old = ghost?.turn?.angle.length === answer.turn.angle.length ? ghost.turn.curves : {}, x = answer.turn.angle;
@@ -186,6 +187,9 @@ function showAnswer() {
       all.shaft_torque ? group("torque", "Shaft torque", "N m", ["shaft_torque"]) : null,
       forces.length ? group("forces", "Pressure force on the bodies", "N", forces) : null,
     ].filter(Boolean));
+  } else if (answer.course) {
+    const { time, curves: all } = answer.course, old = ghost?.course?.time.length === time.length ? ghost.course.curves : {};
+    curves.show(Object.entries(all).map(([name, curve]) => ({ name, title: `${curve.label} over time (s)`, unit: curve.unit, x: time, xUnit: " s", lines: [curve], ghosts: [old[name]?.values] })));
   } else curves.show([]);
   const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
   by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${text(l.watt, 3)} W` })); }));

@@ -163,12 +163,13 @@ def _part_keys(part: FoundGear | PlainBody, unit: str, folder: Path, stem: str) 
 
 
 def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str]:
-    data = gear_data(drive.detected.profile)
+    data = gear_data(drive.detected.profile, drive.helix_angle)
     teeth = f"# {drive.detected.tooth_count} teeth"
     if data is not None:
         teeth += (
-            f", module {1e3 * data.module:.5g} mm, pressure angle "
-            f"{np.rad2deg(data.pressure_angle):.4g} deg, profile shift {data.profile_shift:.4g}"
+            f", module {1e3 * data.normal_module:.5g} mm, pressure angle "
+            f"{np.rad2deg(data.normal_pressure_angle):.4g} deg, profile shift "
+            f"{data.profile_shift / np.cos(data.helix_angle):.4g}"
         )
     distance = axis_distance(drive, driven) if paired else None
     if distance is None:

@@ -260,6 +260,12 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
                 "Teeth are taken as spur with this transverse section: overlap, thrust and the "
                 "spread of trapping along the face width are missing.",
             ),
+            DesignCheck(
+                "taper of the profile", float(np.rad2deg(gear.taper)), "deg", "0 deg",
+                gear.taper == 0.0,
+                "Teeth are taken as wide as in this section along the whole face: drafted, conical "
+                "and bevel teeth touch and seal at one end only.",
+            ),
         ]  # fmt: skip
     flanks = [(p.involute, p.tooth_count) for p in assembly.profiles]
     pitches = [2.0 * np.pi * flank.base_radius / n for flank, n in flanks if flank is not None]
