@@ -22,7 +22,7 @@ from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import nodal_masses, stiffness_matrix
 from toothspace.elasticity.mesh import SolidMesh
 from toothspace.elasticity.surface_loads import face_points, load_columns
-from toothspace.elasticity.surfaces import FilmSurface, PlaneSurface
+from toothspace.elasticity.surfaces import PlaneSurface
 
 
 @final
@@ -204,7 +204,25 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
             raise GeometryError("elastic body", wrong, "the face of the case there")
     films, gram = [], []
     for film in body.films:
-        forces, matrix = _film_columns(film, mesh)
+        points = face_points(mesh, film.select(mesh), _FILM_ORDER)
+        hats = film.interpolation(points.place)
+        nodes_of, width = points.nodes.shape
+        rows = 3 * points.nodes[:, :, None] + np.arange(3)
+        values = points.shape[:, :, None] * points.push[:, None, :]
+        index = np.repeat(np.arange(nodes_of), 3 * width)
+        spread = scipy.sparse.csr_matrix(
+            (values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, nodes_of)
+        )
+        area = scipy.sparse.diags(np.linalg.norm(points.push, axis=1))
+        matrix = (hats.T @ area @ hats).toarray()
+        size = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        if np.linalg.eigvalsh(matrix * np.outer(size, size))[0] < _WORST_GRAM:
+            raise GeometryError(
+                "elastic body",
+                f"nodes of film {film.name!r} without elements",
+                "are node spacings above the element size",
+            )
+        forces = (spread @ hats).tocsc()
         films.append(forces)
         gram.append(matrix)
     columns = _Columns(scipy.sparse.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
@@ -251,29 +269,6 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
         element_count=totals[2],
         error_estimate=float("nan"),
     )
-
-
-def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[scipy.sparse.csc_matrix, Array]:
-    """Nodal forces of the hat pressures of a film, and the integrals of their products."""
-    points = face_points(mesh, film.select(mesh), _FILM_ORDER)
-    hats = film.interpolation(points.place)
-    count, width = points.nodes.shape
-    rows = 3 * points.nodes[:, :, None] + np.arange(3)
-    values = points.shape[:, :, None] * points.push[:, None, :]
-    index = np.repeat(np.arange(count), 3 * width)
-    spread = scipy.sparse.csr_matrix(
-        (values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, count)
-    )
-    area = scipy.sparse.diags(np.linalg.norm(points.push, axis=1))
-    gram = (hats.T @ area @ hats).toarray()
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    if np.linalg.eigvalsh(gram * np.outer(scale, scale))[0] < _WORST_GRAM:
-        raise GeometryError(
-            "elastic body",
-            f"nodes of film {film.name!r} without elements",
-            "are node spacings above the element size",
-        )
-    return (spread @ hats).tocsc(), gram
 
 
 def _relieved(

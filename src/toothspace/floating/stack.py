@@ -188,18 +188,12 @@ class Stack:
         """Coordinates that move."""
         axial = self.balance.motion == "axial"
         found = np.arange(0, self.size, _MOTIONS if axial else 1)
-        return found[~np.isin(found - found % _MOTIONS, self._references)]
-
-    @property
-    def _references(self) -> list[int]:
-        """First coordinates of bodies that stay where they are.
-
-        Nothing changes when all that is between two floating bearings moves with them.
-        """
         if self.balance.arrangement == "fixed":
-            return [part.first for part in self.moving_bearings]
-        groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
-        return [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+            references = [part.first for part in self.moving_bearings]
+        else:
+            groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
+            references = [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+        return found[~np.isin(found - found % _MOTIONS, references)]
 
     def _body(self, name: str) -> int:
         """First coordinate of a turning body."""

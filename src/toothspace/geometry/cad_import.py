@@ -160,27 +160,24 @@ def chain_closed(pieces: list[Array], tolerance: float, name: str) -> list[Array
     while remaining:
         chain = remaining.pop(0)
         while np.hypot(*(chain[-1] - chain[0])) > tolerance or len(chain) < 3:
-            chain = np.vstack([chain, _next_piece(chain[-1], remaining, tolerance, name)[1:]])
+            end = chain[-1]
+            gaps = [
+                min((float(np.hypot(*(piece[side] - end))), index, side) for side in (0, -1))
+                for index, piece in enumerate(remaining)
+            ]
+            nearest = min(gaps, default=(np.inf, 0, 0))
+            if nearest[0] > tolerance:
+                gap = f"{nearest[0] * 1e3:.3g} mm" if gaps else "no further curve"
+                raise GeometryError(
+                    name,
+                    f"an open curve ending at x = {end[0] * 1e3:.5g} mm, "
+                    f"y = {end[1] * 1e3:.5g} mm (next end: {gap})",
+                    "closed curves",
+                )
+            piece = remaining.pop(nearest[1])
+            chain = np.vstack([chain, (piece if nearest[2] == 0 else piece[::-1])[1:]])
         closed.append(chain[:-1])
     return closed
-
-
-def _next_piece(end: Array, remaining: list[Array], tolerance: float, name: str) -> Array:
-    gaps = [
-        min((float(np.hypot(*(piece[side] - end))), index, side) for side in (0, -1))
-        for index, piece in enumerate(remaining)
-    ]
-    nearest = min(gaps, default=(np.inf, 0, 0))
-    if nearest[0] > tolerance:
-        gap = f"{nearest[0] * 1e3:.3g} mm" if gaps else "no further curve"
-        raise GeometryError(
-            name,
-            f"an open curve ending at x = {end[0] * 1e3:.5g} mm, y = {end[1] * 1e3:.5g} mm (next "
-            f"end: {gap})",
-            "closed curves",
-        )
-    piece = remaining.pop(nearest[1])
-    return piece if nearest[2] == 0 else piece[::-1]
 
 
 _COMMENT = ("#", "%", "//", "!")
@@ -385,7 +382,21 @@ def stl_bodies(path: Path, unit: float) -> list[SolidBody]:
 
 def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
     trimesh = package_of_extra("trimesh", "cad", f"{path}: found an STL file")
-    _check_stl(path)
+    raw = path.read_bytes()
+    head = raw[:80].lstrip().lower()
+    if head.startswith(b"solid") and b"facet" in raw[:2000].lower():
+        if b"endsolid" not in raw[-200:].lower():
+            raise GeometryError(path, "a truncated ASCII STL", "one with endsolid")
+    else:
+        if len(raw) < 84:
+            raise GeometryError(path, f"{len(raw)} bytes", "a complete STL file")
+        facets = struct.unpack("<I", raw[80:84])[0]
+        if len(raw) < 84 + 50 * facets or facets == 0:
+            raise GeometryError(
+                path,
+                f"{len(raw)} bytes for {facets} facets (truncated STL)",
+                f"{84 + 50 * max(facets, 4)} bytes or more",
+            )
     try:
         with np.errstate(all="ignore"):  # numbers that are none are refused below
             loaded = trimesh.load_mesh(path, file_type="stl", process=False)
@@ -421,21 +432,3 @@ def _simple_section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Arra
         simple = shapely.simplify(shapely.LinearRing(curve), 1e-7 * size)
         found.append(np.asarray(shapely.get_coordinates(simple))[:-1])
     return found
-
-
-def _check_stl(path: Path) -> None:
-    raw = path.read_bytes()
-    head = raw[:80].lstrip().lower()
-    if head.startswith(b"solid") and b"facet" in raw[:2000].lower():
-        if b"endsolid" not in raw[-200:].lower():
-            raise GeometryError(path, "a truncated ASCII STL", "one with endsolid")
-        return
-    if len(raw) < 84:
-        raise GeometryError(path, f"{len(raw)} bytes", "a complete STL file")
-    facets = struct.unpack("<I", raw[80:84])[0]
-    if len(raw) < 84 + 50 * facets or facets == 0:
-        raise GeometryError(
-            path,
-            f"{len(raw)} bytes for {facets} facets (truncated STL)",
-            f"{84 + 50 * max(facets, 4)} bytes or more",
-        )

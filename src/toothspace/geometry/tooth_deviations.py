@@ -77,25 +77,23 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     with reading(path, "a tester's file"):
         if path.suffix.lower() == ".mka":
             return _from_curve_file(path, flank, tooth_count, nodes)
-        return _from_table(path, tooth_count, nodes)
-
-
-def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
-    columns = {"tooth": "1", "roll_length": "mm", "left": "um", "right": "um"}
-    with_tip = "tip" in column_names(path)
-    data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
-    present = np.unique(data["tooth"])
-    if not np.array_equal(present, np.arange(1, tooth_count + 1)):
-        some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
-        raise GeometryError(path, f"teeth {some}", f"each of 1 to {tooth_count}")
-    rows = [np.flatnonzero(data["tooth"] == number) for number in present]
-    ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
-    left, right = (
-        np.array([np.interp(nodes, data["roll_length"][row], data[side][row]) for row in ordered])
-        for side in ("left", "right")
-    )
-    tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
-    return ToothDeviations(nodes, left, right, np.array(tips))
+        columns = {"tooth": "1", "roll_length": "mm", "left": "um", "right": "um"}
+        with_tip = "tip" in column_names(path)
+        data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
+        present = np.unique(data["tooth"])
+        if not np.array_equal(present, np.arange(1, tooth_count + 1)):
+            some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
+            raise GeometryError(path, f"teeth {some}", f"each of 1 to {tooth_count}")
+        rows = [np.flatnonzero(data["tooth"] == number) for number in present]
+        ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
+        left, right = (
+            np.array(
+                [np.interp(nodes, data["roll_length"][row], data[side][row]) for row in ordered]
+            )
+            for side in ("left", "right")
+        )
+        tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
+        return ToothDeviations(nodes, left, right, np.array(tips))
 
 
 def _from_curve_file(

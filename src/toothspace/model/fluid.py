@@ -131,19 +131,6 @@ def _fits(unit: str, wanted: str) -> bool:
         return False
 
 
-def _number(path: Path | Columns, name: str, row: int, text: str, unit: str) -> float:
-    place = f"column {name}, row {row}"
-    try:
-        value = to_si(float(text), unit)
-    except ValueError:
-        _fail(path, place, repr(text.strip()), "a number with a decimal point")
-    if not np.isfinite(value):
-        _fail(path, place, text.strip(), "a finite number")
-    if value < 0.0 or (value == 0.0 and name in _POSITIVE):
-        _fail(path, place, text.strip(), "a positive number")
-    return value
-
-
 def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
     """Columns of a table in SI units, and the row number of every entry."""
     try:
@@ -164,7 +151,17 @@ def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
         if len(line) != len(lines[0][1]):
             _fail(path, f"row {row}", f"{len(line)} entries", f"{len(lines[0][1])} entries")
         for name, (position, unit) in columns.items():
-            data[name].append(_number(path, name, row, line[position], unit))
+            cell = line[position]
+            place = f"column {name}, row {row}"
+            try:
+                value = to_si(float(cell), unit)
+            except ValueError:
+                _fail(path, place, repr(cell.strip()), "a number with a decimal point")
+            if not np.isfinite(value):
+                _fail(path, place, cell.strip(), "a finite number")
+            if value < 0.0 or (value == 0.0 and name in _POSITIVE):
+                _fail(path, place, cell.strip(), "a positive number")
+            data[name].append(value)
     return {name: np.array(values) for name, values in data.items()}, [k for k, _ in lines[1:]]
 
 

@@ -128,7 +128,18 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
     waves["dense_angle"] = waves.pop("shaft_angle")
     chambers = chamber_values(system, seen)
     found = {name: waves[name] for name in ("inlet_pressure", "outlet_pressure", "shaft_torque")}
-    found |= {f"{port}_flow_rate": _dense_flow(history, close, port) for port in PORTS}
+    flows = {}
+    for port in PORTS:
+        # at all dense states, where the flow has narrow peaks
+        node = node_places(system.description, system.condition)[port]
+        dense = history.dense or DenseStates(history.times, history.states)
+        stored = _stored_rate(system, dense.times, dense.states, port)
+        going, density = _leaving(system, close.seen, node), close.seen.density[:, node]
+        flow = (stored + np.interp(dense.times, times, going)) / np.interp(
+            dense.times, times, density
+        )
+        flows[f"{port}_flow_rate"] = -flow if port == "inlet" else flow
+    found |= flows
     found["chamber_pressure"] = chambers["chamber_pressure"]
     positions = _body_positions(close.history)
     names = [body.name for body in system.description.bodies]
@@ -169,17 +180,6 @@ def _tips(system: System) -> dict[str, slice]:
             found[path.name] = slice(first, first + path.count)
         first += path.count
     return found
-
-
-def _dense_flow(history: History, close: Look, port: str) -> Array:
-    """Flow through a port at all dense states, where it has narrow peaks. [m3/s]."""
-    system, times = history.system, close.history.times
-    node = node_places(system.description, system.condition)[port]
-    dense = history.dense or DenseStates(history.times, history.states)
-    stored = _stored_rate(system, dense.times, dense.states, port)
-    going, density = _leaving(system, close.seen, node), close.seen.density[:, node]
-    flow = (stored + np.interp(dense.times, times, going)) / np.interp(dense.times, times, density)
-    return -flow if port == "inlet" else flow
 
 
 def lateral_values(history: History, seen: Observation) -> dict[str, Array]:

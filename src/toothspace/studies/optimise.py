@@ -182,15 +182,12 @@ class _TriedPoints:
                 self.study.evaluation_count,
             )
             return found.converged
-        return self._evolve()
-
-    def _evolve(self) -> bool:
         from scipy.optimize import differential_evolution
 
         keys, budget = len(self.axes), self.study.evaluation_count
         size = max(5, min(max(10, 5 * keys), budget // 3))
         first = unit_samples(keys, "latin_hypercube", size, self.study.seed)
-        found = differential_evolution(
+        best = differential_evolution(
             lambda shares: np.array([self._cost(record) for record in self._evaluate(shares.T)]),
             [(0.0, 1.0)] * keys,
             init=first,
@@ -202,7 +199,7 @@ class _TriedPoints:
             tol=1e-3,
         )
         # the budget is what the user gave: using it up is no failure
-        return bool(found.success) or "iterations" in str(found.message)
+        return bool(best.success) or "iterations" in str(best.message)
 
     def _evaluate(self, shares: Array) -> list[Record]:
         rows = values_at(self.axes, shares)

@@ -180,25 +180,13 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
         place = ((grid.table_angle - turn) - phases[0]) * phases.size / _FULL_TURN
         sector = np.mod(np.floor(place + 0.5).astype(np.int64), phases.size)
         rim = np.asarray(face.chambers.nodes.size + face.recesses.size + 1 + sector)
-    matrix, pressure = _solve(grid, edge, rim, cube)
-    weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
-    area = [w.ravel() @ pressure for w in weight]
-    shear = np.where(node == FILM, face.gap / height, 0.0)
-    drag = [
-        float(np.sum(w * shear * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2)))
-        for w, b in zip(weight, face.bodies, strict=True)
-    ]
-    return matrix, np.array(area), np.array(drag)
-
-
-def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tuple[Array, Array]:
-    """Conductance matrix of the edges, and pressures of all cells for unit ones at each."""
-    face, film = grid.face, edge == FILM
+    # conductance matrix of the edges, and pressures of all cells for unit ones at each
+    film = edge == FILM
     inside = int(film.sum())
     edges = face.chambers.nodes.size * (1 + face.sectors) + face.recesses.size + 1
-    number = inside + edge
-    number[film] = np.arange(inside)
-    a, b, g = _links(grid, number, inside, rim, cube)
+    cells = inside + edge
+    cells[film] = np.arange(inside)
+    a, b, g = _links(grid, cells, inside, rim, cube)
     rows, columns = np.concatenate([a, b, a, b]), np.concatenate([a, b, b, a])
     values = np.concatenate([g, g, -g, -g])
     whole = sp.csc_matrix((values, (rows, columns)), shape=(inside + edges, inside + edges))
@@ -209,9 +197,18 @@ def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tu
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
     )
-    pressure = factor.solve(-links.T.toarray())
-    found = whole[inside:, inside:].toarray() + links @ pressure
-    return np.asarray(0.5 * (found + found.T)), np.vstack([pressure, np.eye(edges)])[number.ravel()]
+    unit = factor.solve(-links.T.toarray())
+    found = whole[inside:, inside:].toarray() + links @ unit
+    matrix = np.asarray(0.5 * (found + found.T))
+    pressure = np.vstack([unit, np.eye(edges)])[cells.ravel()]
+    weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
+    area = [w.ravel() @ pressure for w in weight]
+    shear = np.where(node == FILM, face.gap / height, 0.0)
+    drag = [
+        float(np.sum(w * shear * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2)))
+        for w, b in zip(weight, face.bodies, strict=True)
+    ]
+    return matrix, np.array(area), np.array(drag)
 
 
 def _joined(first: Array, second: Array) -> Array:

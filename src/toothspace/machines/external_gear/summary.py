@@ -28,7 +28,6 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
-from toothspace.gearing.helix import Helix
 from toothspace.gearing.meshing import (
     contact_range,
     contact_ratio,
@@ -97,7 +96,16 @@ def geometry_summary(
         "base_diameter_mm": None if first is None else 2e3 * first,
         "operating_pressure_angle_deg": None if angle is None else float(np.rad2deg(angle)),
         "flow_ripple_percent": 100.0 * ripple,
-        **(_enclosed(assembly, spaces) if helix is None else _helix_numbers(assembly, helix)),
+        **(
+            _enclosed(assembly, spaces)
+            if helix is None
+            else {
+                "helix_angle_deg": float(np.rad2deg(helix.angle)),
+                "face_twist_deg": float(np.rad2deg(helix.twist)),
+                "overlap_ratio": helix.overlap_ratio,
+                "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
+            }
+        ),
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
@@ -106,37 +114,6 @@ def geometry_summary(
 def _enclosed(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
     trapped, dead = trapped_volumes(assembly, spaces)
     return {"trapped_volume_mm3": trapped * 1e9, "dead_volume_mm3": dead * 1e9}
-
-
-def _helix_numbers(assembly: Assembly, helix: Helix) -> dict[str, object]:
-    """How the teeth wind; no volume is enclosed over the whole width at once."""
-    return {
-        "helix_angle_deg": float(np.rad2deg(helix.angle)),
-        "face_twist_deg": float(np.rad2deg(helix.twist)),
-        "overlap_ratio": helix.overlap_ratio,
-        "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
-    }
-
-
-def _helix_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Whether a tooth space that follows the helix is shut between the ports at the bores."""
-    helix = assembly.spec.helix
-    if helix is None:
-        return ()
-    checks = []
-    for gear, name in enumerate(("drive", "driven")):
-        casing, ratio = bore(assembly, gear), 1.0 if gear == 0 else assembly.mesh.ratio
-        sealed = 2.0 * np.pi - casing.inlet_angle - casing.outlet_angle - helix.twist * ratio
-        teeth = float(sealed / assembly.teeth[gear].pitch_angle)
-        checks.append(
-            DesignCheck(
-                f"teeth that seal along the helix, {name} gear", teeth, "1", "at least 1",
-                teeth >= 1.0,
-                "A tooth space that still meets the inlet at one end while the other end is open "
-                "to the outlet joins both ports: less helix, a narrower gear or a longer bore.",
-            )
-        )  # fmt: skip
-    return tuple(checks)
 
 
 def tooth_data(assembly: Assembly) -> dict[str, object]:
@@ -353,9 +330,24 @@ def design_checks(
                 mesh.condition,
             ),
         )
+    helix = assembly.spec.helix
+    winding: list[DesignCheck] = []
+    if helix is not None:
+        for gear, name in enumerate(("drive", "driven")):
+            casing, ratio = bore(assembly, gear), 1.0 if gear == 0 else assembly.mesh.ratio
+            sealed = 2.0 * np.pi - casing.inlet_angle - casing.outlet_angle - helix.twist * ratio
+            teeth = float(sealed / assembly.teeth[gear].pitch_angle)
+            winding.append(
+                DesignCheck(
+                    f"teeth that seal along the helix, {name} gear", teeth, "1", "at least 1",
+                    teeth >= 1.0,
+                    "A tooth space that still meets the inlet at one end while the other end is "
+                    "open to the outlet joins both ports: less helix, a narrower gear or a longer bore.",
+                )
+            )  # fmt: skip
     return (
         *_tooth_checks(assembly),
-        *_helix_checks(assembly),
+        *winding,
         casing_cut_check(assembly),
         *running_in,
         short,
