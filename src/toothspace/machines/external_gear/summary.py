@@ -342,7 +342,8 @@ def design_checks(
                     f"teeth that seal along the helix, {name} gear", teeth, "1", "at least 1",
                     teeth >= 1.0,
                     "A tooth space that still meets the inlet at one end while the other end is "
-                    "open to the outlet joins both ports: less helix, a narrower gear or a longer bore.",
+                    "open to the outlet joins both ports: less helix, a narrower gear or a longer "
+                    "bore.",
                 )
             )  # fmt: skip
     return (
