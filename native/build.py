@@ -94,7 +94,9 @@ def _link(compiled: list[Compiled], source: str, digest: str, folder: Path) -> N
         if not (folder / name).exists():
             shutil.copyfile(HERE / "c" / name, folder / name)
     sources = [folder / name for name in UNIT_SOURCES if name.endswith(".c")]
-    _run([*common, "-o", folder / UNIT, *sources, model, *LIBRARY_FLAGS[sys.platform]])
+    # a unit shows the functions of FMI only: others of its kind may be in the same program
+    hidden = [*common, "-DTOOTHSPACE_STATIC"]
+    _run([*hidden, "-o", folder / UNIT, *sources, model, *LIBRARY_FLAGS[sys.platform]])
     caller = [f"-I{sysconfig.get_path('include')}", HERE / "c" / "caller.c"]
     _run([*common, "-o", folder / CALLER, *caller, *CALLER_FLAGS[sys.platform]])
     for name in (LIBRARY, CALLER, UNIT, MODEL, *UNIT_SOURCES):

@@ -6,7 +6,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#if defined(_WIN32)
+#if defined(TOOTHSPACE_STATIC)
+#define EXPORTED
+#elif defined(_WIN32)
 #define EXPORTED __declspec(dllexport)
 #else
 #define EXPORTED __attribute__((visibility("default")))

@@ -13,7 +13,7 @@
 
 #if defined(_WIN32) && !defined(TOOTHSPACE_STATIC)
 #define TOOTHSPACE_EXPORT __declspec(dllexport)
-#elif defined(__GNUC__)
+#elif defined(__GNUC__) && !defined(TOOTHSPACE_STATIC)
 #define TOOTHSPACE_EXPORT __attribute__((visibility("default")))
 #else
 #define TOOTHSPACE_EXPORT

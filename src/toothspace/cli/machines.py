@@ -119,6 +119,7 @@ def gear(
     plane: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Height of the section, as '3 mm'.")
     ] = None,
+    layer: Annotated[str | None, typer.Option(metavar="NAME", help="Layer of DXF files.")] = None,
     distance: Annotated[
         str | None,
         typer.Option("--center-distance", metavar="LENGTH", help="Backlash at this distance."),
@@ -150,7 +151,7 @@ def gear(
     if case is not None:
         require_writable(case, "--case", replace=force, endings=(".toml",))
     height = None if plane is None else read_quantity("--plane", plane, "mm")
-    request = SectionRequest(axis, height)
+    request = SectionRequest(axis, height, layer=layer)
     try:
         contents = find_in_files(files, to_si(1.0, unit), request)
     except CaseError:

@@ -50,7 +50,7 @@ _MEAN = ", mean over the last step"
 _LINE = ", reached along a straight line at the end of a step"
 _FIRST_STEP = 1e-4
 """Step that is proposed to importers. [s]"""
-_COMPILED = "cc -O2 -fPIC -shared -fvisibility=hidden *.c model.o -lm -o {name}"
+_COMPILED = "cc -O2 -fPIC -shared -fvisibility=hidden -DTOOTHSPACE_STATIC *.c model.o -lm -o {name}"
 
 
 def export_machine(
@@ -331,6 +331,7 @@ def _build(name: str, platform_name: str) -> str:
     for source in UNIT_SOURCES:
         if source.endswith(".c") and source != "fmi2.c":
             part(files, "SourceFile", name=source)
+    part(files, "PreprocessorDefinition", name="TOOTHSPACE_STATIC")
     part(configuration, "Library", name=MODEL, description="Object code of the equations")
     return document(root)
 

@@ -299,6 +299,8 @@ class SectionRequest:
     """Whether to look for teeth."""
     lobes: bool = False
     """Whether to look for three and more teeth, also on holes, as of gerotor rotors."""
+    layer: str | None = None
+    """Layer of a DXF file; None for all."""
     face_towards: float | None = None
     """Height towards which a body turns its face: in place of one section, one through the layer
     behind that face and one through the layer that follows, between flat faces across the axis. [m]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Iterable, Iterator
 from functools import partial
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -259,6 +261,7 @@ def _finite(path: Path, curve: Array) -> Array:
 
 
 _CURVES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
+_MOST_ENTITIES, _DEEPEST_BLOCK = 50_000, 10
 _RELATIVE_SAGITTA = 1e-6
 _RELATIVE_GAP = 1e-5
 
@@ -284,11 +287,16 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
     except (OSError, ezdxf.DXFError) as error:
         reason = " ".join(str(error).split())
         raise GeometryError(path, f"no readable DXF ({reason})", "DXF") from error
-    found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
+    drawn = list(islice(_drawn(drawing.modelspace()), _MOST_ENTITIES + 1))
+    if len(drawn) > _MOST_ENTITIES:
+        raise GeometryError(
+            path, f"more than {_MOST_ENTITIES} entities", "a drawing of one machine"
+        )
+    found = [entity for entity, own in drawn if layer in (None, own)]
     entities = [entity for entity in found if entity.dxftype() in _CURVES]
     if not entities:
         kinds = ", ".join(sorted({entity.dxftype() for entity in found})) or "nothing"
-        layers = ", ".join(sorted({entity.dxf.layer for entity in drawing.modelspace()}))
+        layers = ", ".join(sorted({own for _, own in drawn}))
         raise GeometryError(
             path,
             f"{kinds} on {('all layers' if layer is None else f'layer {layer!r}')} (layers: "
@@ -302,6 +310,20 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
     pieces = [_flattened(entity, size * _RELATIVE_SAGITTA, path) for entity in entities]
     pieces = [piece * unit for piece in pieces if len(piece) >= 2]
     return chain_closed(pieces, size * _RELATIVE_GAP * unit, str(path))
+
+
+def _drawn(entities: Iterable[Any], layer: str = "0", depth: int = 0) -> Iterator[tuple[Any, str]]:
+    """Entities with those of inserted blocks in their place, and their layers.
+
+    What a block holds on layer 0 lies on the layer that the block is inserted on.
+    """
+    for entity in entities:
+        own = layer if entity.dxf.layer == "0" else entity.dxf.layer
+        if entity.dxftype() != "INSERT":
+            yield entity, own
+        elif depth < _DEEPEST_BLOCK:
+            for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from _drawn(single.virtual_entities(), own, depth + 1)
 
 
 def _flattened(entity: Any, sagitta: float, path: Path) -> Array:

@@ -133,14 +133,14 @@ def find_in_files(
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
-        Axis and plane of gears in solid files; None to find them.
+        Axis and plane of gears in solid files, layer of plane ones; None to find them.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []
     refused = []
     for path in paths:
         try:
-            found = find_gears(path, unit, request)
+            found = find_gears(path, unit, request, request.layer if request else None)
         except GeometryError as error:
             if not is_solid(path):
                 raise

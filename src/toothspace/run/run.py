@@ -160,6 +160,14 @@ class Run:
         return self.tracks.marked(solution.short_of("" if places is None else places.warning))
 
 
+def _same_parts(last: History | None, system: System) -> bool:
+    """Whether a march can begin where one of another system has ended."""
+    if last is None:
+        return False
+    loaded = system.at(load_area=last.system.condition.load_area)
+    return last.system.arrays.size == loaded.arrays.size
+
+
 @final
 class Marches:
     """Marches of one run to its cyclic state; each begins where the last one ended.
@@ -193,9 +201,7 @@ class Marches:
         seats, settled = SeatSearch(machine), False
         while not settled:
             system = assemble(seats.machine, run.fluid, run.condition)
-            last = self.last
-            if last is not None and last.system.arrays.size != system.arrays.size:
-                last = None
+            last = self.last if _same_parts(self.last, system) else None
             if orifice:
                 history, told = march_against_orifice(system, plan, last, progress)
             else:

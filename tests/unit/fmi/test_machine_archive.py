@@ -54,7 +54,7 @@ def test_a_host_in_c_runs_the_binary_and_one_from_the_sources(tmp_path: Path) ->
     binary = next((tmp_path / "binaries").rglob("*.so"))
     sources = [str(p) for p in sorted((tmp_path / "sources").iterdir()) if p.suffix in {".c", ".o"}]
     own = binary.with_name("own.so")
-    flags = ["-O2", "-fPIC", "-shared", "-fvisibility=hidden"]
+    flags = ["-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-DTOOTHSPACE_STATIC"]
     subprocess.run([compiler, *flags, *sources, "-lm", "-o", own], check=True)
     root = ElementTree.parse(tmp_path / "modelDescription.xml").getroot()
     numbers = {v.get("name"): v.get("valueReference") for v in root.iter("ScalarVariable")}

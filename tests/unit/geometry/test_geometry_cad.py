@@ -158,6 +158,45 @@ def test_dxf_circles_splines_polylines_and_layers(tmp_path):
         load_closed_curves(path, layer="GROOVE")
 
 
+def test_dxf_blocks_stand_where_they_are_inserted(tmp_path):
+    """A circle in a block on layer 0, in a block, twice: once scaled, on layers of the inserts."""
+    import ezdxf
+
+    document = ezdxf.new()
+    inner, outer = document.blocks.new("inner"), document.blocks.new("outer")
+    inner.add_circle((0, 0), 2)
+    outer.add_blockref("inner", (10, 0), dxfattribs={"layer": "0"})
+    outer.add_line((0, -50), (0, 50), dxfattribs={"layer": "CENTRE"})
+    space = document.modelspace()
+    space.add_blockref("outer", (0, 0), dxfattribs={"layer": "GEAR"})
+    space.add_blockref("inner", (50, 0), {"xscale": 3, "yscale": 3, "layer": "HOLE"})
+    path = tmp_path / "blocks.dxf"
+    document.saveas(path)
+    (gear,) = load_closed_curves(path, layer="GEAR")
+    assert gear.mean(axis=0) == pytest.approx([10e-3, 0.0], abs=1e-6)
+    (hole,) = load_closed_curves(path, layer="HOLE")
+    assert abs(signed_area(hole)) == pytest.approx(np.pi * 36e-6, rel=1e-4)
+    with pytest.raises(GeometryError, match="CENTRE, GEAR, HOLE"):
+        load_closed_curves(path, layer="NONE")
+
+
+def test_dxf_blocks_of_blocks_without_end_are_refused(tmp_path):
+    """Ten inserts of the block below, nine times: a billion circles in a small file."""
+    import ezdxf
+
+    document = ezdxf.new()
+    document.blocks.new("b0").add_circle((0, 0), 1)
+    for level in range(1, 10):
+        block = document.blocks.new(f"b{level}")
+        for k in range(10):
+            block.add_blockref(f"b{level - 1}", (k, 0))
+    document.modelspace().add_blockref("b9", (0, 0))
+    path = tmp_path / "laughs.dxf"
+    document.saveas(path)
+    with pytest.raises(GeometryError, match="more than 50000 entities"):
+        load_closed_curves(path)
+
+
 def two_body_stl(path, drop_facet=False):
     import trimesh
 

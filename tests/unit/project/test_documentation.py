@@ -93,7 +93,7 @@ def test_keys_of_a_page_make_a_case(page: Path, workplace: Path) -> None:
         f for f in sorted((workplace / "cases").glob("*.toml")) if "base =" not in f.read_text()
     ]
     for text in (text for kind, text in blocks(page) if kind == "toml"):
-        named = re.findall(r'"([\w/]+\.(?:step|csv|nc|mka))"', text)
+        named = re.findall(r'"([\w/]+\.(?:step|csv|nc|mka|fmu))"', text)
         for name in named:
             (workplace / "cases" / name).write_text("of a reader\n", encoding="utf-8")
         own = workplace / "cases" / "own.toml"

@@ -119,7 +119,11 @@ def draft_case(
         lines.append(draft_line("face_width", "10 mm", "assumed: plane files have none"))
     else:
         lines.append(draft_line("face_width", f"{1e3 * drive.face_width:.6g} mm"))
-    section = {"axis": request.axis, "plane": request.plane and f"{1e3 * request.plane:.6g} mm"}
+    section = {
+        "axis": request.axis,
+        "plane": request.plane and f"{1e3 * request.plane:.6g} mm",
+        "layer": request.layer,
+    }
     lines += [draft_line(f"profile_{k}", value) for k, value in section.items() if value]
     lines += _mesh_keys(drive, driven, paired=pair is not None)
     if pair:

@@ -83,6 +83,8 @@ def geometry_summary(
     first, second = (profile.base_radius for profile in assembly.profiles)
     angle = np.arccos((first + second) / distance) if first and second else None
     helix = assembly.spec.helix
+    if helix is not None:
+        backlash *= float(np.cos(helix.base_angle))
     ripple = flow_ripple(assembly) if helix is None else helix.ripple(flow_over_pitch(assembly))
     return {
         **tooth_data(assembly),
