@@ -271,19 +271,8 @@ def assemble(
         **_work(sizes),
     )
     pattern = _pattern(arrays)
-    # what circuit elements and an elastic coupling join
+    _join_circuit(arrays, pattern)
     size = arrays.size
-    coupled = [1, *range(size.load, size.core)]
-    pattern[np.ix_(coupled, coupled)] = True
-    for element in arrays.elements:
-        a, b = int(element[net.END_A]), int(element[net.END_B])
-        columns = [*_columns(arrays, a), *_columns(arrays, b)]
-        if element[net.STATES] > 0.0:
-            own_place = size.column + int(element[net.FIRST_STATE])
-            own = list(range(own_place, own_place + int(element[net.STATES])))
-            pattern[np.ix_(own, [*own, *columns])] = True
-            columns.append(own_place)
-        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns or [0])] = True
     # where states depend on the unknowns: masses on gas and on motions that change a volume
     basis = np.eye(size.core, dtype=bool)
     for d in range(size.dynamic):
@@ -495,6 +484,22 @@ def _moved(arrays: SystemArrays, table: int, first: int) -> list[int]:
     used = np.any(block.reshape(-1, channels) != 0.0, axis=0)
     motions = range(min(arrays.size.motions, channels - first))
     return [arrays.size.position + k for k in motions if used[first + k]]
+
+
+def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
+    """Add what circuit elements and an elastic coupling join."""
+    size = arrays.size
+    coupled = [1, *range(size.load, size.core)]
+    pattern[np.ix_(coupled, coupled)] = True
+    for element in arrays.elements:
+        a, b = int(element[net.END_A]), int(element[net.END_B])
+        columns = [*_columns(arrays, a), *_columns(arrays, b)]
+        if element[net.STATES] > 0.0:
+            place = size.column + int(element[net.FIRST_STATE])
+            own = list(range(place, place + int(element[net.STATES])))
+            pattern[np.ix_(own, [*own, *columns])] = True
+            columns.append(place)
+        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns or [0])] = True
 
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:

@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.film_faces import FILM
-from toothspace.model.floating_bearing import LateralBalance
+from toothspace.model.floating_bearing import FilmInterface, LateralBalance
 from toothspace.model.lateral_table import LATERAL_NOW, LateralLookup, no_lookup
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
@@ -97,25 +97,7 @@ def load_weights(balance: LateralBalance, shaft_angle: float, nodes: int) -> Arr
     weights = np.zeros((nodes, 2))
     for own in balance.interfaces:
         if own.side == "floating":
-            face = own.face
-            edges = np.linspace(face.inner_radius, face.outer_radius, _LANES + 1)
-            radius = 0.5 * (edges[1:] + edges[:-1])
-            turn = (np.arange(_ROWS) + 0.5) * 2.0 * np.pi / _ROWS
-            x, y = face.places(turn, radius)
-            cells = face.face_map(shaft_angle, x, y)
-            tip = np.array([face.outer_radius * (1.0 + 1e-6)])
-            rim = face.face_map(shaft_angle, *face.places(turn, tip))
-            land = cells.node == FILM
-            edge = np.where(land.all(axis=1), face.outer_radius, radius[np.argmin(land, axis=1)])
-            ramp = np.log(radius / face.inner_radius) / np.log(edge / face.inner_radius)[:, None]
-            beyond = np.where(land, np.clip(ramp, 0.0, 1.0), 1.0)
-            body = face.body_number(own.body)
-            owned = (cells.body == body) | face.open_wall(body, cells, x, y)
-            area = np.where(owned, radius * (radius[1] - radius[0]) * 2.0 * np.pi / _ROWS, 0.0)
-            outside = np.where(land, rim.node, cells.node).ravel()
-            for column, arm in enumerate((area, area * y)):
-                weights[:, column] += np.bincount(outside, (arm * beyond).ravel(), len(weights))
-                weights[face.inner_node, column] += float((arm * (1.0 - beyond)).sum())
+            _add_face(weights, own, shaft_angle)
     high = np.array(balance.floating.high_pressure.moments)[:2]
     weights[balance.high_node] -= high
     weights[balance.low_node] -= weights.sum(axis=0)
@@ -183,3 +165,26 @@ def sampled_loads(description: MachineDescription) -> SampledLoads | None:
     angles = (np.arange(_SAMPLES) + 0.5) * load_period(balance) / _SAMPLES
     weights = np.stack([load_weights(balance, float(a), nodes) for a in angles])
     return SampledLoads(angles, weights)
+
+
+def _add_face(weights: Array, own: FilmInterface, angle: float) -> None:
+    """Add area and moment about x of one side of a gear, by the nodes whose pressure acts."""
+    face = own.face
+    edges = np.linspace(face.inner_radius, face.outer_radius, _LANES + 1)
+    radius = 0.5 * (edges[1:] + edges[:-1])
+    turn = (np.arange(_ROWS) + 0.5) * 2.0 * np.pi / _ROWS
+    x, y = face.places(turn, radius)
+    cells = face.face_map(angle, x, y)
+    tip = np.array([face.outer_radius * (1.0 + 1e-6)])
+    rim = face.face_map(angle, *face.places(turn, tip))
+    land = cells.node == FILM
+    edge = np.where(land.all(axis=1), face.outer_radius, radius[np.argmin(land, axis=1)])
+    ramp = np.log(radius / face.inner_radius) / np.log(edge / face.inner_radius)[:, None]
+    beyond = np.where(land, np.clip(ramp, 0.0, 1.0), 1.0)
+    body = face.body_number(own.body)
+    owned = (cells.body == body) | face.open_wall(body, cells, x, y)
+    area = np.where(owned, radius * (radius[1] - radius[0]) * 2.0 * np.pi / _ROWS, 0.0)
+    outside = np.where(land, rim.node, cells.node).ravel()
+    for column, arm in enumerate((area, area * y)):
+        weights[:, column] += np.bincount(outside, (arm * beyond).ravel(), len(weights))
+        weights[face.inner_node, column] += float((arm * (1.0 - beyond)).sum())

@@ -206,7 +206,10 @@ def bind(callbacks: NdfCallbacks) -> NdfFunctions:
         Compiled functions of the problem.
     """
     begin = _bind_begin(callbacks)
+    return NdfFunctions(_bind_initial_state(begin), _bind_advance(callbacks, begin))
 
+
+def _bind_initial_state(begin: Compiled) -> Compiled:
     @kernel
     def initial_state(
         params: Any,
@@ -222,7 +225,7 @@ def bind(callbacks: NdfCallbacks) -> NdfFunctions:
         control.factorisations = control.newton_failures = 0
         begin(params, program, settings, state, t0, y0)
 
-    return NdfFunctions(initial_state, _bind_advance(callbacks, begin))
+    return initial_state
 
 
 def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:

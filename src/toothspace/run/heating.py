@@ -130,25 +130,7 @@ class HeatSearch:
             following = supply + left * (reached - supply)
         self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
         warm = dict(zip(temperature, self._tried, strict=True))
-        cool = liquid_of(case).dynamic_viscosity
-
-        def ratio(node: str) -> float:
-            return liquid_of(case, warm[node]).dynamic_viscosity / cool
-
-        laterals = tuple(
-            replace(film, viscosity_ratio=ratio(lateral_node(film.body)))
-            for film in self._description.laterals
-        )
-        journals = tuple(
-            replace(journal, viscosity_ratio=ratio(journal_node(journal.body)))
-            for journal in self._description.journals
-        )
-        beside = float(np.mean([film.viscosity_ratio for film in laterals])) if laterals else 1.0
-        paths = tuple(
-            replace(path, viscosity_ratio=beside) if path.category in LATERAL_PATHS else path
-            for path in self._description.paths
-        )
-        self.machine = replace(self._description, laterals=laterals, journals=journals, paths=paths)
+        self.machine = _warmed(case, self._description, warm)
         return False
 
     @property
@@ -162,6 +144,31 @@ class HeatSearch:
         data = self._solution.data.merge(nodes, combine_attrs="override")
         told = replace(self._solution, data=data)
         return told.with_note(warm_up_time=network.warm_up_time).short_of(self._warning)
+
+
+def _warmed(
+    case: Case, description: MachineDescription, temperature: Mapping[str, float]
+) -> MachineDescription:
+    """Machine whose lateral and journal films have the viscosity of their temperatures."""
+    cold = liquid_of(case).dynamic_viscosity
+
+    def ratio(node: str) -> float:
+        return liquid_of(case, temperature[node]).dynamic_viscosity / cold
+
+    laterals = tuple(
+        replace(film, viscosity_ratio=ratio(lateral_node(film.body)))
+        for film in description.laterals
+    )
+    journals = tuple(
+        replace(journal, viscosity_ratio=ratio(journal_node(journal.body)))
+        for journal in description.journals
+    )
+    beside = float(np.mean([film.viscosity_ratio for film in laterals])) if laterals else 1.0
+    paths = tuple(
+        replace(path, viscosity_ratio=beside) if path.category in LATERAL_PATHS else path
+        for path in description.paths
+    )
+    return replace(description, laterals=laterals, journals=journals, paths=paths)
 
 
 def lateral_heating(case: Case) -> FilmHeating | None:

@@ -27,6 +27,7 @@ from toothspace.films.plane.conductance import (
 )
 from toothspace.model.description import (
     FlowPath,
+    LumpedJournalBearing,
     LumpedLateralFilm,
     MachineDescription,
 )
@@ -98,20 +99,19 @@ def with_solved_films(
                 ),
             )
     if models["journal"] == "reynolds":
-        bearings = []
-        for journal in description.journals:
-            if journal.solved is not None or journal.end_condition == "no_flow":
-                own = journal
-            else:
-                rough = journal.roughness > 0.0
-                ratio = journal.radial_clearance / journal.roughness if rough else np.inf
-                slenderness = round(journal.length / journal.diameter, 9)
-                solved = solved_journal(slenderness, round(float(ratio), 3))
-                own = replace(journal, solved=solved)
-            bearings.append(own)
-        journals = tuple(bearings)
+        journals = tuple(_solved(journal) for journal in description.journals)
         description = replace(description, journals=journals)
     return description
+
+
+def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
+    if journal.solved is not None or journal.end_condition == "no_flow":
+        return journal
+    rough = journal.roughness > 0.0
+    ratio = journal.radial_clearance / journal.roughness if rough else np.inf
+    slenderness = round(journal.length / journal.diameter, 9)
+    solved = solved_journal(slenderness, round(float(ratio), 3))
+    return replace(journal, solved=solved)
 
 
 class _Face:

@@ -73,23 +73,7 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
     face, journals = bearing_face(assembly), keys.journal_bearings
     high = _high_pressure(assembly, block, face)
     if high is None:
-        middle = np.array([face.centroid.x, face.centroid.y])
-        away = np.array(block.high_pressure.center) - middle
-        turn = np.arctan2(away[1], away[0])
-        reach = float(np.hypot(*np.ptp(np.reshape(face.bounds, (2, 2)), axis=0)))
-
-        def part(distance: float) -> Any:
-            half = shapely.box(distance, -reach, reach, reach)
-            turned = shapely.affinity.rotate(half, turn, origin=(0.0, 0.0), use_radians=True)
-            return shapely.intersection(face, shapely.affinity.translate(turned, *middle))
-
-        low, highest = -reach, reach
-        for _ in range(_HALVINGS):
-            place = 0.5 * (low + highest)
-            low, highest = (
-                (place, highest) if part(place).area > block.high_pressure.area else (low, place)
-            )
-        high = part(highest)
+        high = _behind_a_chord(face, block.high_pressure)
     gears = FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
     return LateralBalance(
@@ -111,6 +95,25 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
         ),
         shaft_stiffness=block.keys.shaft_stiffness,
     )
+
+
+def _behind_a_chord(face: Any, patch: Patch) -> Any:
+    """Part of a face of the area of a patch behind a chord across the way to its centre. [m]."""
+    middle = np.array([face.centroid.x, face.centroid.y])
+    away = np.array(patch.center) - middle
+    turn = np.arctan2(away[1], away[0])
+    reach = float(np.hypot(*np.ptp(np.reshape(face.bounds, (2, 2)), axis=0)))
+
+    def part(distance: float) -> Any:
+        half = shapely.box(distance, -reach, reach, reach)
+        turned = shapely.affinity.rotate(half, turn, origin=(0.0, 0.0), use_radians=True)
+        return shapely.intersection(face, shapely.affinity.translate(turned, *middle))
+
+    low, high = -reach, reach
+    for _ in range(_HALVINGS):
+        place = 0.5 * (low + high)
+        low, high = (place, high) if part(place).area > patch.area else (low, place)
+    return part(high)
 
 
 def _interface(assembly: Assembly, face: FaceOfGear, side: Side) -> FilmInterface:
