@@ -58,6 +58,8 @@ def test_a_drawn_pump_tells_its_pressures_once_in_every_channel(
     assert "relief_grooves" in beyond.advice
     assert json.loads(streams.out)["findings"] == [x.to_dict() for x in solution.findings]
     assert {"warning", "limit", "rule"} <= {finding.kind for finding in solution.findings}
+    rules = {finding.quantity for finding in solution.findings if finding.kind == "rule"}
+    assert {"Normal backlash", "Relief grooves"} <= rules
     channels = {
         "command line": text,
         "command line beside JSON": streams.err,
