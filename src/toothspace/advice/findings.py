@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.finding import DesignCheck, Finding
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import WHOLE
-from toothspace.results.ledger import LossCause, loss_causes
+from toothspace.results.ledger import loss_causes
 from toothspace.results.ripple import extremes
 from toothspace.results.solution import Solution
 
@@ -224,10 +224,25 @@ def findings_of(
     """
     limits = [limit_finding(x) for x in limits_of(solution, description) if x.exceeded]
     rules = () if description is None else description.checks
+    # begins of cavitation, where no limit tells it by its power
+    count = sum(event.kind == "cavitation_onset" for event in solution.events)
+    if count == 0 or any(limit.quantity == CAVITATION for limit in limits):
+        cavitation = []
+    else:
+        times = "once" if count == 1 else f"{count} times"
+        cavitation = [
+            Finding(
+                "warning",
+                f"Cavitation begins {times} in the evaluation window; see events.",
+                quantity=CAVITATION,
+                found=times,
+                allowed="no vapour",
+            )
+        ]
     found = [
         *solution.warnings,
         *limits,
-        *_cavitation(solution, limits),
+        *cavitation,
         *(rule_finding(check) for check in rules if not check.passed),
         *([Finding("warning", note, severity="note")] if note else ()),
     ]
@@ -259,28 +274,21 @@ def rule_finding(check: DesignCheck) -> Finding:
     )
 
 
-def _cavitation(solution: Solution, limits: Sequence[Finding]) -> list[Finding]:
-    """Begins of cavitation, where no limit tells it by its power."""
-    count = sum(event.kind == "cavitation_onset" for event in solution.events)
-    if count == 0 or any(limit.quantity == CAVITATION for limit in limits):
-        return []
-    times = "once" if count == 1 else f"{count} times"
-    return [
-        Finding(
-            "warning",
-            f"Cavitation begins {times} in the evaluation window; see events.",
-            quantity=CAVITATION,
-            found=times,
-            allowed="no vapour",
-        )
-    ]
-
-
 def verdict(solution: Solution) -> str:
     """Return one or two sentences on what the machine does and where power is lost."""
     numbers = solution.summary()
     if "time" in solution.data.sizes:
-        return _course(numbers)
+        duration, highest = _number(numbers, "duration_s"), _number(numbers, "max_shaft_speed_rpm")
+        start, ratio = _number(numbers, "startup_pressure_bar"), numbers["startup_pressure_ratio"]
+        course = f"{duration:.4g} s with at most {highest:.0f} rpm."
+        if math.isfinite(start):
+            time = _number(numbers, "breakaway_time_s")
+            course += f" The shaft breaks away after {time:.3g} s; starting takes {start:.3g} bar"
+            running = _number(numbers, "max_running_pressure_bar")
+            if math.isfinite(running):
+                course += f", {ratio:.3g} times the {running:.3g} bar of running"
+            course += "."
+        return course
     mode = solution.data.attrs.get("mode", "machine")
     flow, torque = _number(numbers, "mean_flow_L_per_min"), _number(numbers, "mean_torque_N_m")
     overall = _number(numbers, "overall_efficiency")
@@ -295,7 +303,23 @@ def verdict(solution: Solution) -> str:
         parts = ("volumetric", "hydromechanical")
         shares = [f"{p} {100.0 * _number(numbers, f'{p}_efficiency'):.1f} %" for p in parts]
         text += f" Overall efficiency is {100.0 * overall:.1f} % ({', '.join(shares)});"
-        text += f" {_lost(loss_causes(solution.ledger))}."
+        losses = loss_causes(solution.ledger)
+        lost: dict[str, float] = {}
+        for entry in losses:
+            lost[entry.cause] = lost.get(entry.cause, 0.0) + 100.0 * entry.share
+        named = sorted(lost.items(), key=lambda item: -item[1])
+        named_lost = [f"{cause} {share:.1f}" for cause, share in named if share >= 0.05]
+        told = f"points of efficiency lost: {', '.join(named_lost)}" if named_lost else "no losses"
+        total = sum(entry.power for entry in losses)
+        if total <= 0.0:
+            loss = told
+        else:
+            largest = max(losses, key=lambda entry: entry.power)
+            where = f"{largest.cause}, {largest.label}, with {largest.power:.0f} W"
+            loss = (
+                f"{told}; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
+            )
+        text += f" {loss}."
     return text
 
 
@@ -314,37 +338,6 @@ def change_first(solution: Solution, findings: Sequence[Finding]) -> str:
         f"{worst.cause}, {worst.label}: {worst.power:.3g} W, {100.0 * worst.share:.2g} % of the "
         "power supplied."
     )
-
-
-def _course(numbers: Mapping[str, float | str]) -> str:
-    """What happened in a run over time."""
-    duration, speed = _number(numbers, "duration_s"), _number(numbers, "max_shaft_speed_rpm")
-    start, ratio = _number(numbers, "startup_pressure_bar"), numbers["startup_pressure_ratio"]
-    text = f"{duration:.4g} s with at most {speed:.0f} rpm."
-    if math.isfinite(start):
-        time = _number(numbers, "breakaway_time_s")
-        text += f" The shaft breaks away after {time:.3g} s; starting takes {start:.3g} bar"
-        running = _number(numbers, "max_running_pressure_bar")
-        if math.isfinite(running):
-            text += f", {ratio:.3g} times the {running:.3g} bar of running"
-        text += "."
-    return text
-
-
-def _lost(losses: Sequence[LossCause]) -> str:
-    """Points of efficiency that each cause takes, largest first, and the largest loss."""
-    shares: dict[str, float] = {}
-    for entry in losses:
-        shares[entry.cause] = shares.get(entry.cause, 0.0) + 100.0 * entry.share
-    named = sorted(shares.items(), key=lambda item: -item[1])
-    parts = [f"{cause} {share:.1f}" for cause, share in named if share >= 0.05]
-    text = f"points of efficiency lost: {', '.join(parts)}" if parts else "no losses"
-    total = sum(entry.power for entry in losses)
-    if total <= 0.0:
-        return text
-    largest = max(losses, key=lambda entry: entry.power)
-    where = f"{largest.cause}, {largest.label}, with {largest.power:.0f} W"
-    return f"{text}; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
 
 
 def _number(numbers: Mapping[str, float | str], name: str) -> float:

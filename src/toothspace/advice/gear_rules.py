@@ -68,10 +68,22 @@ def pair_checks(
             interference_check(owner, margin, allowed=form.undercut),
             root_clearance_check(owner, pair.root_clearances[index], gear.module),
         ]
+    change = trapped_volume_change(pair, face_width)
+    share = VENTED_SHARE if vented else _ENCLOSED_SHARE
+    spacing = f"vented by relief grooves at most {pair.relief_groove_spacing * 1e3:.4g} mm apart"
     return (
         *checks,
         backlash_check(pair.normal_backlash, pair.drive.module, pair.center_distance),
-        _trapped_volume(pair, face_width, vented=vented),
+        DesignCheck(
+            name="trapped volume change",
+            value=change * 1e9,
+            unit="mm3",
+            allowed=f"below {share:g} face_width module^2, "
+            + (spacing if vented else f"without relief grooves; below {VENTED_SHARE:g} {spacing}"),
+            passed=change <= share * face_width * pair.drive.module**2,
+            reason="Fluid enclosed between two contacts is squeezed and stretched; unless grooves "
+            "vent it, pressure peaks load the bearings and then cavitation erodes the flanks.",
+        ),
     )
 
 
@@ -183,22 +195,6 @@ def least_normal_backlash(module: Real, center_distance: Real) -> Real:
     0.107
     """
     return (0.06e-3 + 0.0005 * center_distance + 0.03 * module) * 2.0 / 3.0
-
-
-def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> DesignCheck:
-    change = trapped_volume_change(pair, face_width)
-    share = VENTED_SHARE if vented else _ENCLOSED_SHARE
-    spacing = f"vented by relief grooves at most {pair.relief_groove_spacing * 1e3:.4g} mm apart"
-    return DesignCheck(
-        name="trapped volume change",
-        value=change * 1e9,
-        unit="mm3",
-        allowed=f"below {share:g} face_width module^2, "
-        + (spacing if vented else f"without relief grooves; below {VENTED_SHARE:g} {spacing}"),
-        passed=change <= share * face_width * pair.drive.module**2,
-        reason="Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
-        "it, pressure peaks load the bearings and then cavitation erodes the flanks.",
-    )
 
 
 def bearing_checks(

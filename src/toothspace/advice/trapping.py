@@ -20,7 +20,6 @@ from toothspace.core.finding import DesignCheck
 from toothspace.core.types import Array, IntArray
 from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.gearing.gear_tables import ReliefGrooves
-from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears, displacement, relative_radius
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.model.description import ChamberFamily, FlowPath
@@ -149,13 +148,33 @@ def mesh_chain(mesh: EnclosedMesh) -> MeshChain:
     rows = [_rows(spaces[gear], count, turn, gear) for turn, gear in order]
     # the trailing throat of a drive space, then the leading one of the drive space behind
     passages = [_rows(spaces[0], count, turn + gear, 0) for turn, gear in order[:-1]]
-    throats = [_throat(mesh, side) for side in (spaces[0].left, spaces[0].right)]
+    throats = []
+    for flank in (spaces[0].left, spaces[0].right):
+        # without a complete throat both spaces are wide open to the same port
+        gap = np.where(flank.weight > 0.0, np.maximum(flank.gap, 0.0), 0.0)
+        width = mesh.gears.face_width
+        radius = relative_radius(mesh.gears.mesh, flank, mesh.tip_rounding)
+        throats.append(Opening(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY)))
     growth = []
     for side in spaces:
         area, step = section_areas(side), 2.0 * np.pi / side.angles.size
         rate = (np.roll(area, -1) - np.roll(area, 1)) / (2.0 * step)
         growth.append(mesh.gears.face_width * rate * side.angle_ratio)
-    ports = [_ports(mesh, gear) for gear in (0, 1)]
+    ports = []
+    for gear in (0, 1):
+        face, found = mesh.gears.face_width, {}
+        grooves: Mapping[str, Array] = {}
+        if mesh.grooves is not None:
+            grooves = mesh.groove_openings(mesh.grooves, mesh.spaces[gear])
+        for side_port, length in mesh.port_openings[gear].items():
+            mouth = face * length
+            conductance = orifice_conductance(mouth, 2.0 * mouth / (face + length), VISCOSITY)
+            if side_port in grooves:
+                groove, diameter = grooves[side_port].T
+                mouth = mouth + 2.0 * groove
+                conductance = conductance + 2.0 * orifice_conductance(groove, diameter, VISCOSITY)
+            found[side_port] = Opening(DISCHARGE_COEFFICIENT * mouth, conductance)
+        ports.append(found)
 
     def gathered(port: str) -> Opening:
         return _columns([ports[gear][port] for _, gear in order], rows)
@@ -180,31 +199,6 @@ def _columns(openings: list[Opening], rows: list[IntArray]) -> Opening:
         np.column_stack([opening.area[at] for opening, at in pairs]),
         np.column_stack([opening.conductance[at] for opening, at in pairs]),
     )
-
-
-def _ports(mesh: EnclosedMesh, gear: int) -> dict[str, Opening]:
-    """Mouths along the bore and grooves of both faces together, to each port."""
-    width, found = mesh.gears.face_width, {}
-    grooves: Mapping[str, Array] = {}
-    if mesh.grooves is not None:
-        grooves = mesh.groove_openings(mesh.grooves, mesh.spaces[gear])
-    for port, length in mesh.port_openings[gear].items():
-        area = width * length
-        conductance = orifice_conductance(area, 2.0 * area / (width + length), VISCOSITY)
-        if port in grooves:
-            groove, diameter = grooves[port].T
-            area = area + 2.0 * groove
-            conductance = conductance + 2.0 * orifice_conductance(groove, diameter, VISCOSITY)
-        found[port] = Opening(DISCHARGE_COEFFICIENT * area, conductance)
-    return found
-
-
-def _throat(mesh: EnclosedMesh, side: Throats) -> Opening:
-    # without a complete throat both spaces are wide open to the same port
-    gap = np.where(side.weight > 0.0, np.maximum(side.gap, 0.0), 0.0)
-    width = mesh.gears.face_width
-    radius = relative_radius(mesh.gears.mesh, side, mesh.tip_rounding)
-    return Opening(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
 def trapping(chain: MeshChain, mesh: EnclosedMesh) -> Trapping:
@@ -290,6 +284,21 @@ def trapping_checks(mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
             return mesh.with_grooves(new).trapping.peak_pressure <= peak_limit
 
         closing = _edge_advice(grooves, "closing", nearest, cures)
+    words = (
+        "The backlash joins both enclosed spaces to one: single-flank timing"
+        if single
+        else "The backlash is too narrow to join the enclosed spaces: dual-flank timing, each "
+        "needs a groove of its own"
+    )
+    if mesh.groove_spacing is None:
+        sealing = f"{words}."
+    else:
+        spacing = mesh.groove_spacing * (1.0 if single else 0.5)
+        have = grooves.closing_side_offset + grooves.opening_side_offset
+        sealing = (
+            f"{words}, in which grooves {spacing * 1e3:.4g} mm apart just never close; here they "
+            f"are {have * 1e3:.4g} mm apart."
+        )
     return (
         DesignCheck(
             name="trapped pressure, estimate",
@@ -306,7 +315,7 @@ def trapping_checks(mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
             unit="bar",
             allowed=f"up to {drop_limit * 1e-5:.4g} bar {condition}",
             passed=single,
-            reason=_sealing(mesh, grooves, single=single),
+            reason=sealing,
         ),
     )
 
@@ -343,23 +352,6 @@ def _edge_advice(
         return in_vain
     place = f"{getattr(moved(step), name) * 1e3:.4g} mm from the centre line"
     return f" Move the {side}-side edge to {place}."
-
-
-def _sealing(mesh: EnclosedMesh, grooves: ReliefGrooves, *, single: bool) -> str:
-    words = (
-        "The backlash joins both enclosed spaces to one: single-flank timing"
-        if single
-        else "The backlash is too narrow to join the enclosed spaces: dual-flank timing, each "
-        "needs a groove of its own"
-    )
-    if mesh.groove_spacing is None:
-        return f"{words}."
-    spacing = mesh.groove_spacing * (1.0 if single else 0.5)
-    have = grooves.closing_side_offset + grooves.opening_side_offset
-    return (
-        f"{words}, in which grooves {spacing * 1e3:.4g} mm apart just never close; here they are "
-        f"{have * 1e3:.4g} mm apart."
-    )
 
 
 @final

@@ -185,7 +185,11 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
             found = f"no folder {target.parent}"
             raise CaseError(f"{target}: {option}", found, "an existing one")
         if target.exists():
-            _require_replaceable(target, option, replace=replace)
+            if not target.is_file():
+                raise CaseError(f"{target}: {option}", "a device or pipe", "a file name")
+            if not replace:
+                kept = "a file that exists"
+                raise CaseError(f"{target}: {option}", kept, "a new one, or --force")
         # names may be too long or hold what the disk refuses; a kill leaves none of that name
         place = target.parent
         with (
@@ -199,14 +203,6 @@ def require_writable(target: Path, option: str, *, replace: bool, endings: tuple
         raise CaseError(f"{target}: {option}", found, "a writable place") from error
     require_ending(target, option, endings)
     return target
-
-
-def _require_replaceable(target: Path, option: str, *, replace: bool) -> None:
-    if not target.is_file():
-        raise CaseError(f"{target}: {option}", "a device or pipe", "a file name")
-    if not replace:
-        found = "a file that exists"
-        raise CaseError(f"{target}: {option}", found, "a new one, or --force")
 
 
 def plain(value: Any) -> Any:

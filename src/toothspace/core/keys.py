@@ -532,16 +532,6 @@ def _keep_unknown(problems: Problems, raw: Mapping[str, Any], known: Iterable[st
         problems.append(Problem("", found, ", ".join(names) or "no keys"))
 
 
-def _compulsory(key: Key, name: str, source: Source) -> Problems:
-    """What is missing where a compulsory key is: of a table all that it must hold."""
-    problems = Problems()
-    if isinstance(key, Table):
-        problems.of(name, key.read, {}, source)
-    if not problems:
-        problems.append(Problem(name, "nothing", key.allowed()))
-    return problems
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class Table(Key):
@@ -579,7 +569,12 @@ class Table(Key):
             if given is not None:
                 values[name] = problems.of("" if name in named else name, key.read, given, source)
             elif dataclass_field.default is MISSING:
-                problems += _compulsory(key, name, source)
+                missing = Problems()
+                if isinstance(key, Table):
+                    missing.of(name, key.read, {}, source)
+                if not missing:
+                    missing.append(Problem(name, "nothing", key.allowed()))
+                problems += missing
         problems.settle()
         return values
 
@@ -682,13 +677,13 @@ class Variant(Key):
         return {self.tag: self.name_of(value), **Table(spec=type(value)).written(value, file_text)}
 
     def schema(self) -> Schema:
-        return {"oneOf": [self._kind(name, spec) for name, spec in self.variants.items()]}
-
-    def _kind(self, name: str, spec: type) -> Schema:
-        schema = Table(spec=spec).schema()
-        schema["properties"] = {self.tag: {"const": name}, **schema["properties"]}
-        schema["required"] = [self.tag, *schema["required"]]
-        return schema
+        kinds = []
+        for name, spec in self.variants.items():
+            schema = Table(spec=spec).schema()
+            schema["properties"] = {self.tag: {"const": name}, **schema["properties"]}
+            schema["required"] = [self.tag, *schema["required"]]
+            kinds.append(schema)
+        return {"oneOf": kinds}
 
 
 @final

@@ -73,7 +73,15 @@ def run_python(
         If it cannot be started.
     """
     words = [sys.executable, "-I", "-X", "utf8", *(["-B"] if sys.dont_write_bytecode else [])]
-    words += ["-c", _START, program, str(_HOME), *_search_path(), "--", *arguments]
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    by_name = getattr(sys.modules["__main__"], "__spec__", None) is not None
+    beside = [] if script is None or by_name else [Path(script).parent]
+    needed = {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
+    left_out = {place.resolve() for place in (*_current_folder(), *beside)} - needed
+    kept = [place for place in map(_absolute, sys.path) if Path(place).resolve() not in left_out]
+    # places of modules that lie in the way of the user only if they are needed
+    places = [*kept, str(_HOME)] if _HOME.resolve() in left_out else kept
+    words += ["-c", _START, program, str(_HOME), *places, "--", *arguments]
     with tempfile.TemporaryDirectory() as folder:
         return subprocess.run(
             words,
@@ -85,21 +93,6 @@ def run_python(
             timeout=longest,
             check=False,
         )
-
-
-def _search_path() -> list[str]:
-    """Absolute places of modules; those that lie in the way of the user only if they are needed."""
-    script = getattr(sys.modules["__main__"], "__file__", None)
-    beside = [] if script is None or _started_by_name() else [Path(script).parent]
-    needed = {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
-    left_out = {place.resolve() for place in (*_current_folder(), *beside)} - needed
-    kept = [place for place in map(_absolute, sys.path) if Path(place).resolve() not in left_out]
-    return [*kept, str(_HOME)] if _HOME.resolve() in left_out else kept
-
-
-def _started_by_name() -> bool:
-    """Whether this program was started as ``python -m NAME``."""
-    return getattr(sys.modules["__main__"], "__spec__", None) is not None
 
 
 def _current_folder() -> list[Path]:

@@ -51,7 +51,15 @@ def flexibility(
     joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
     graph = scipy.sparse.csr_matrix(joined, shape=(len(nodes), len(nodes)))
     # parts that share no unknown are eliminated apart, so fronts stay small
-    parts = _planned(dissect(nodes, graph), graph, rows)
+    parts: list[_EliminationPart] = []
+    done = np.zeros(graph.shape[0], dtype=np.bool_)
+    for own, children in dissect(nodes, graph):
+        below = [parts[child] for child in children]
+        near = [graph.indices[graph.indptr[k] : graph.indptr[k + 1]] for k in own]
+        done[own] = True
+        found = _union([*near, *(part.outer for part in below)])
+        loaded = _union([rows[_unknowns(own)].indices, *(part.columns for part in below)])
+        parts.append(_EliminationPart(own, found[~done[found]], loaded, children))
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
     place = np.full(len(nodes), -1, dtype=np.int64)
@@ -60,7 +68,12 @@ def flexibility(
         report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
         # own entries, then what the children left; their memory is a stack, the last one on top
         front = work.front(part)
-        _assemble(part, (stiffness, rows), place, front)
+        place[part.own] = np.arange(part.own.size)
+        place[part.outer] = part.own.size + np.arange(part.outer.size)
+        pattern = (stiffness.indptr, stiffness.indices, stiffness.data)
+        _gather(part.own, pattern, place, front.inner, front.below)
+        mine = rows[_unknowns(part.own)].tocoo()
+        front.loads[np.searchsorted(part.columns, mine.col), mine.row] = mine.data
         for child in reversed(part.children):
             matrix, passed = work.pop(parts[child])
             rows_of = _unknowns(place[parts[child].outer])
@@ -100,22 +113,6 @@ class _EliminationPart(NamedTuple):
     def sizes(self) -> tuple[int, int, int]:
         """Unknowns eliminated and left, and load columns. [-]."""
         return 3 * self.own.size, 3 * self.outer.size, self.columns.size
-
-
-def _planned(
-    tree: list[Separator], graph: scipy.sparse.csr_matrix, loads: scipy.sparse.csr_matrix
-) -> list[_EliminationPart]:
-    """What every front holds."""
-    parts: list[_EliminationPart] = []
-    done = np.zeros(graph.shape[0], dtype=np.bool_)
-    for own, children in tree:
-        below = [parts[child] for child in children]
-        near = [graph.indices[graph.indptr[k] : graph.indptr[k + 1]] for k in own]
-        done[own] = True
-        found = _union([*near, *(part.outer for part in below)])
-        columns = _union([loads[_unknowns(own)].indices, *(part.columns for part in below)])
-        parts.append(_EliminationPart(own, found[~done[found]], columns, children))
-    return parts
 
 
 def _unknowns(nodes: IntArray) -> IntArray:
@@ -195,22 +192,6 @@ def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Arr
         out.append(memory[start:stop].reshape((rows, columns), order="F"))
         start = stop
     return out
-
-
-def _assemble(
-    part: _EliminationPart,
-    system: tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix],
-    place: IntArray,
-    front: _Front,
-) -> None:
-    """Stiffness and loads of the nodes that are eliminated."""
-    stiffness, loads = system
-    place[part.own] = np.arange(part.own.size)
-    place[part.outer] = part.own.size + np.arange(part.outer.size)
-    pattern = (stiffness.indptr, stiffness.indices, stiffness.data)
-    _gather(part.own, pattern, place, front.inner, front.below)
-    mine = loads[_unknowns(part.own)].tocoo()
-    front.loads[np.searchsorted(part.columns, mine.col), mine.row] = mine.data
 
 
 @njit
@@ -328,7 +309,29 @@ def dissect(nodes: Array, graph: scipy.sparse.csr_matrix) -> list[Separator]:
     mark = np.zeros(len(nodes), dtype=np.bool_)
 
     def divide(part: IntArray) -> int:
-        halves = _halves(part, nodes, graph, mark) if part.size > _LEAF else None
+        if part.size > _LEAF:
+            place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))
+            mark[part] = True
+            _reach(part, (graph.indptr, graph.indices), nodes, mark, reach)
+            mark[part] = False
+            found = [
+                _best_cut(axis, place[:, axis], *(end[:, axis] for end in reach))
+                for axis in range(3)
+            ]
+            best = min((cut for cut in found if cut is not None), default=None)
+            if best is None:
+                halves = None
+            else:
+                below = place[:, best.axis] < best.level
+                lowest, highest = (end[:, best.axis] for end in reach)
+                between = (
+                    below & (highest >= best.level)
+                    if best.from_below
+                    else ~below & (lowest < best.level)
+                )
+                halves = part[below & ~between], part[~below & ~between], part[between]
+        else:
+            halves = None
         if halves is None:
             tree.append(Separator(part, ()))
             return len(tree) - 1
@@ -347,24 +350,6 @@ class _Cut(NamedTuple):
     axis: int
     level: float
     from_below: bool
-
-
-def _halves(
-    part: IntArray, nodes: Array, graph: scipy.sparse.csr_matrix, mark: BoolArray
-) -> tuple[IntArray, IntArray, IntArray] | None:
-    """Two halves and the nodes of the one that touch the other; None if nothing cuts them."""
-    place, reach = nodes[part], (np.empty((part.size, 3)), np.empty((part.size, 3)))
-    mark[part] = True
-    _reach(part, (graph.indptr, graph.indices), nodes, mark, reach)
-    mark[part] = False
-    found = [_best_cut(axis, place[:, axis], *(end[:, axis] for end in reach)) for axis in range(3)]
-    best = min((cut for cut in found if cut is not None), default=None)
-    if best is None:
-        return None
-    below = place[:, best.axis] < best.level
-    lowest, highest = (end[:, best.axis] for end in reach)
-    between = below & (highest >= best.level) if best.from_below else ~below & (lowest < best.level)
-    return part[below & ~between], part[~below & ~between], part[between]
 
 
 @njit

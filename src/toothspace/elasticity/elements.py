@@ -106,23 +106,6 @@ def _summed(strain: Array, law: Array, weight: Array) -> Array:
     return np.asarray(strain.reshape(rows).transpose(0, 2, 1) @ stress.reshape(rows))
 
 
-def _hexahedra(corners: Array, law: Array) -> Array:
-    middle, centre = _jacobians(HEX_SLOPES[8:], corners)
-    inverse, det = _jacobians(HEX_SLOPES[:8], corners)
-    # the modes vanish in the mean, so that constant strains are kept exactly
-    modes = middle @ HEX_BUBBLES[:8] * (centre / det)[..., None, None]
-    strain = np.concatenate([_strains(inverse @ HEX_SLOPES[:8]), _strains(modes)], axis=3)
-    total = _summed(strain, law, det)
-    coupling = total[:, 24:, :24]
-    inner = np.linalg.solve(total[:, 24:, 24:], coupling)
-    return np.asarray(total[:, :24, :24] - coupling.transpose(0, 2, 1) @ inner)
-
-
-def _tetrahedra(corners: Array, law: Array) -> Array:
-    inverse, det = _jacobians(TET_SLOPES, corners)
-    return _summed(_strains(inverse @ TET_SLOPES), law, det / 24.0)
-
-
 def stiffness_matrix(
     mesh: SolidMesh, elastic_modulus: float, poisson_ratio: float
 ) -> scipy.sparse.csr_matrix:
@@ -134,27 +117,39 @@ def stiffness_matrix(
        analysis, Int. J. Numer. Methods Eng. 10 (1976) 1211-1219.
     """
     law = hooke(elastic_modulus, poisson_ratio)
-    place, start, column = _pattern(mesh.elements, len(mesh.nodes))
+    count = len(mesh.nodes)
+    width = mesh.elements.shape[1]
+    rows = np.repeat(mesh.elements, width, axis=1).ravel()
+    columns = np.tile(mesh.elements, (1, width)).ravel()
+    keys, blocks = np.unique(rows * np.int64(count) + columns, return_inverse=True)
+    begin = np.searchsorted(keys, np.arange(count + 1, dtype=np.int64) * count)
+    place, start, column = (
+        blocks.astype(np.int64),
+        begin.astype(np.int64),
+        (keys % count).astype(np.int64),
+    )
     width = mesh.elements.shape[1]
     place = place.reshape(-1, width, width)
     values = np.zeros((column.size, 3, 3))
     for first in range(0, len(place), _BATCH):
         some = slice(first, first + _BATCH)
         corners = mesh.nodes[mesh.elements[some]]
-        matrices = _hexahedra(corners, law) if width == 8 else _tetrahedra(corners, law)
+        if width == 8:
+            middle, centre = _jacobians(HEX_SLOPES[8:], corners)
+            inverted, volume = _jacobians(HEX_SLOPES[:8], corners)
+            # the modes vanish in the mean, so that constant strains are kept exactly
+            modes = middle @ HEX_BUBBLES[:8] * (centre / volume)[..., None, None]
+            strain = np.concatenate([_strains(inverted @ HEX_SLOPES[:8]), _strains(modes)], axis=3)
+            total = _summed(strain, law, volume)
+            coupling = total[:, 24:, :24]
+            inner = np.linalg.solve(total[:, 24:, 24:], coupling)
+            matrices = np.asarray(total[:, :24, :24] - coupling.transpose(0, 2, 1) @ inner)
+        else:
+            inverse, det = _jacobians(TET_SLOPES, corners)
+            matrices = _summed(_strains(inverse @ TET_SLOPES), law, det / 24.0)
         _sum_blocks(matrices, place[some], values)
     out = scipy.sparse.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()
-
-
-def _pattern(elements: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:
-    """Place of every element block among the blocks of the matrix, rows and columns."""
-    width = elements.shape[1]
-    rows = np.repeat(elements, width, axis=1).ravel()
-    columns = np.tile(elements, (1, width)).ravel()
-    keys, place = np.unique(rows * np.int64(count) + columns, return_inverse=True)
-    start = np.searchsorted(keys, np.arange(count + 1, dtype=np.int64) * count)
-    return place.astype(np.int64), start.astype(np.int64), (keys % count).astype(np.int64)
 
 
 @njit

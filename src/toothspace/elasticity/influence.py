@@ -22,7 +22,7 @@ from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import nodal_masses, stiffness_matrix
 from toothspace.elasticity.mesh import SolidMesh
 from toothspace.elasticity.surface_loads import face_points, load_columns
-from toothspace.elasticity.surfaces import FilmSurface, PlaneSurface
+from toothspace.elasticity.surfaces import PlaneSurface
 
 
 @final
@@ -156,9 +156,18 @@ def influence_matrix(
     """
     name = f"{body.hash()}-{'estimated' if estimate_error else 'plain'}"
     name += f"-{scale:.4f}" if scale != 1.0 else ""
-    found = _stored(name, body) if cache else None
-    if found is not None:
-        return found
+    stored = load_arrays(_path(name)) if cache else None
+    if stored is not None:
+        names = [entry.name for entry in body.loads]
+        return InfluenceMatrix(
+            body=body,
+            **{key: stored[key] for key in _ARRAYS},
+            load_cases=dict(zip(names, stored["load_cases"], strict=True)),
+            resultants=dict(zip(names, stored["resultants"], strict=True)),
+            mass=float(stored["mass"]),
+            element_count=int(stored["element_count"]),
+            error_estimate=float(stored["error_estimate"]),
+        )
     report_share(
         UNKNOWN, f"elastic body ({', '.join(film.name for film in body.films)}), kept for later"
     )
@@ -195,14 +204,43 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
             raise GeometryError("elastic body", wrong, "the face of the case there")
     films, gram = [], []
     for film in body.films:
-        forces, matrix = _film_columns(film, mesh)
+        points = face_points(mesh, film.select(mesh), _FILM_ORDER)
+        hats = film.interpolation(points.place)
+        nodes_of, width = points.nodes.shape
+        rows = 3 * points.nodes[:, :, None] + np.arange(3)
+        values = points.shape[:, :, None] * points.push[:, None, :]
+        index = np.repeat(np.arange(nodes_of), 3 * width)
+        spread = scipy.sparse.csr_matrix(
+            (values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, nodes_of)
+        )
+        area = scipy.sparse.diags(np.linalg.norm(points.push, axis=1))
+        matrix = (hats.T @ area @ hats).toarray()
+        size = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        if np.linalg.eigvalsh(matrix * np.outer(size, size))[0] < _WORST_GRAM:
+            raise GeometryError(
+                "elastic body",
+                f"nodes of film {film.name!r} without elements",
+                "are node spacings above the element size",
+            )
+        forces = (spread @ hats).tocsc()
         films.append(forces)
         gram.append(matrix)
     columns = _Columns(scipy.sparse.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
     masses = np.repeat(nodal_masses(mesh, body.density), 3)
     mass = float(masses[::3].sum())
     center = np.asarray(masses[::3] @ mesh.nodes / mass)
-    rigid = _rigid_motions(mesh.nodes - center)
+    # unit translations and rotations, one column each
+    x, y, z = (mesh.nodes - center).T
+    zero, one = np.zeros_like(x), np.ones_like(x)
+    motions = [
+        (one, zero, zero),
+        (zero, one, zero),
+        (zero, zero, one),
+        (zero, -z, y),
+        (z, zero, -x),
+        (-y, x, zero),
+    ]
+    rigid = np.column_stack([np.column_stack(c).ravel() for c in motions])
     stiffness = stiffness_matrix(mesh, body.elastic_modulus, body.poisson_ratio)
     loads = scipy.sparse.hstack([columns.films, columns.named]).tocsc()
     if body.floating:
@@ -231,44 +269,6 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
         element_count=totals[2],
         error_estimate=float("nan"),
     )
-
-
-def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[scipy.sparse.csc_matrix, Array]:
-    """Nodal forces of the hat pressures of a film, and the integrals of their products."""
-    points = face_points(mesh, film.select(mesh), _FILM_ORDER)
-    hats = film.interpolation(points.place)
-    count, width = points.nodes.shape
-    rows = 3 * points.nodes[:, :, None] + np.arange(3)
-    values = points.shape[:, :, None] * points.push[:, None, :]
-    index = np.repeat(np.arange(count), 3 * width)
-    spread = scipy.sparse.csr_matrix(
-        (values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, count)
-    )
-    area = scipy.sparse.diags(np.linalg.norm(points.push, axis=1))
-    gram = (hats.T @ area @ hats).toarray()
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    if np.linalg.eigvalsh(gram * np.outer(scale, scale))[0] < _WORST_GRAM:
-        raise GeometryError(
-            "elastic body",
-            f"nodes of film {film.name!r} without elements",
-            "are node spacings above the element size",
-        )
-    return (spread @ hats).tocsc(), gram
-
-
-def _rigid_motions(place: Array) -> Array:
-    """Unit translations and rotations, one column each. [-, m]."""
-    x, y, z = place.T
-    zero, one = np.zeros_like(x), np.ones_like(x)
-    columns = [
-        (one, zero, zero),
-        (zero, one, zero),
-        (zero, zero, one),
-        (zero, -z, y),
-        (z, zero, -x),
-        (-y, x, zero),
-    ]
-    return np.column_stack([np.column_stack(c).ravel() for c in columns])
 
 
 def _relieved(
@@ -358,20 +358,3 @@ def matrix_folder() -> Path:
 
 def _path(name: str) -> Path:
     return matrix_folder() / f"{name}-{_sources()}.npz"
-
-
-def _stored(name: str, body: ElasticBody) -> InfluenceMatrix | None:
-    """Stored matrix of a body, or None."""
-    stored = load_arrays(_path(name))
-    if stored is None:
-        return None
-    names = [entry.name for entry in body.loads]
-    return InfluenceMatrix(
-        body=body,
-        **{key: stored[key] for key in _ARRAYS},
-        load_cases=dict(zip(names, stored["load_cases"], strict=True)),
-        resultants=dict(zip(names, stored["resultants"], strict=True)),
-        mass=float(stored["mass"]),
-        element_count=int(stored["element_count"]),
-        error_estimate=float(stored["error_estimate"]),
-    )

@@ -16,7 +16,7 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.processes import program_named
-from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.core.types import Array, IntArray
 
 _SNAP = 1e-6
 """Distance over the edge length at which boundaries are taken as one. [-]"""
@@ -64,7 +64,20 @@ def triangulate(
         raise GeometryError("elastic body", "an empty section", "are closed outlines")
     boundary, edges = _boundary_points(regions, edge_length, chord)
     border = shapely.linestrings(boundary[edges])
-    inner = _lattice(whole, shapely.union_all(border), edge_length)
+    left, low, right, high = whole.bounds
+    rise = edge_length * np.sqrt(0.75)
+    rows = np.arange(low + 0.37 * rise, high, rise)
+    x = np.arange(left - edge_length, right + edge_length, edge_length)
+    grid = np.array([(u + 0.5 * edge_length * (k % 2), v) for k, v in enumerate(rows) for u in x])
+    if grid.size == 0:
+        inner = np.empty((0, 2))
+    else:
+        grid = grid[shapely.contains_xy(whole, grid[:, 0], grid[:, 1])]
+        far = (
+            shapely.distance(shapely.points(grid), shapely.union_all(border))
+            > _BORDER * edge_length
+        )
+        inner = np.asarray(grid[far], dtype=float)
     boundary, edges, inner = _clear_edges(boundary, edges, inner)
     for _ in range(_SMOOTHING if len(inner) else 0):
         # move inner points to the mean of their neighbours
@@ -105,49 +118,28 @@ def _boundary_points(
     edges: list[IntArray] = []
     start = 0
     for piece in pieces:
-        chain = _resampled(np.asarray(piece.coords)[:, :2], edge)
+        line = np.asarray(piece.coords)[:, :2]
+        out = [line[:1]]
+        for begin, last in pairwise(line):
+            parts_of = max(1, int(np.ceil(np.hypot(*(last - begin)) / edge - 1e-9)))
+            parts = np.linspace(0.0, 1.0, parts_of + 1)[1:, None]
+            out.append(begin + parts * (last - begin))
+        chain = np.vstack(out)
         count = len(chain)
         points.append(chain)
         first = np.arange(start, start + count - 1)
         edges.append(np.column_stack([first, first + 1]))
         start += count
-    return _merged(np.vstack(points), np.vstack(edges).astype(np.int64), 1e-6 * edge)
-
-
-def _resampled(chain: Array, edge: float) -> Array:
-    """Split long segments of a chain into equal parts."""
-    out = [chain[:1]]
-    for first, last in pairwise(chain):
-        count = max(1, int(np.ceil(np.hypot(*(last - first)) / edge - 1e-9)))
-        parts = np.linspace(0.0, 1.0, count + 1)[1:, None]
-        out.append(first + parts * (last - first))
-    return np.vstack(out)
-
-
-def _merged(points: Array, edges: IntArray, tolerance: float) -> tuple[Array, IntArray]:
-    """Join points that coincide."""
-    _, first, index = np.unique(
-        np.round(points / tolerance).astype(np.int64),
+    stacked = np.vstack(points)
+    _, kept, index = np.unique(
+        np.round(stacked / (1e-6 * edge)).astype(np.int64),
         axis=0,
         return_index=True,
         return_inverse=True,
     )
-    joined = np.sort(index.ravel()[edges], axis=1)
+    joined = np.sort(index.ravel()[np.vstack(edges).astype(np.int64)], axis=1)
     joined = np.unique(joined[joined[:, 0] != joined[:, 1]], axis=0)
-    return points[first], joined.astype(np.int64)
-
-
-def _lattice(whole: shapely.Polygon, border: shapely.Geometry, edge: float) -> Array:
-    left, low, right, high = whole.bounds
-    rise = edge * np.sqrt(0.75)
-    rows = np.arange(low + 0.37 * rise, high, rise)
-    x = np.arange(left - edge, right + edge, edge)
-    grid = np.array([(u + 0.5 * edge * (k % 2), v) for k, v in enumerate(rows) for u in x])
-    if grid.size == 0:
-        return np.empty((0, 2))
-    grid = grid[shapely.contains_xy(whole, grid[:, 0], grid[:, 1])]
-    far = shapely.distance(shapely.points(grid), border) > _BORDER * edge
-    return np.asarray(grid[far], dtype=float)
+    return stacked[kept], joined.astype(np.int64)
 
 
 def _clear_edges(
@@ -169,16 +161,12 @@ def _clear_edges(
         )
         if not crowded.any():
             break
-        boundary, edges = _split(boundary, edges, crowded)
+        added = boundary[edges[crowded]].mean(axis=1)
+        index = len(boundary) + np.arange(len(added))
+        first = np.column_stack([edges[crowded, 0], index])
+        second = np.column_stack([index, edges[crowded, 1]])
+        boundary, edges = np.vstack([boundary, added]), np.vstack([edges[~crowded], first, second])
     return boundary, edges, inner
-
-
-def _split(boundary: Array, edges: IntArray, chosen: BoolArray) -> tuple[Array, IntArray]:
-    middle = boundary[edges[chosen]].mean(axis=1)
-    index = len(boundary) + np.arange(len(middle))
-    first = np.column_stack([edges[chosen, 0], index])
-    second = np.column_stack([index, edges[chosen, 1]])
-    return np.vstack([boundary, middle]), np.vstack([edges[~chosen], first, second])
 
 
 _LEVEL_STEP = 1e-9
@@ -268,7 +256,16 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
     if not parts:
         raise GeometryError("elastic body", "no parts", "are one or more prisms")
     plane = triangulate([part.section for part in parts], edge_length)
-    points, quads = _quadrilaterals(plane)
+    corners, triangles = plane
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, index = np.unique(sides, axis=0, return_inverse=True)
+    middle = len(corners) + index.reshape(-1, 3)
+    centre = len(corners) + len(edges) + np.arange(len(triangles))
+    nodes = np.vstack([corners, corners[edges].mean(axis=1), corners[triangles].mean(axis=1)])
+    cut = [
+        np.column_stack([triangles[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(3)
+    ]
+    points, quads = nodes, np.vstack(cut).astype(np.int64)
     # layers between the ends of the parts, no higher than asked for
     given = np.unique(np.round([v for p in parts for v in (p.bottom, p.top)], 9))
     kept = given[np.concatenate([[True], np.diff(given) > _LEVEL_STEP])]
@@ -294,20 +291,6 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
     used, index = np.unique(elements, return_inverse=True)
     elements = index.reshape(-1, 8).astype(np.int64)
     return SolidMesh(nodes[used], elements, outer_faces(elements, _HEX_FACES))
-
-
-def _quadrilaterals(plane: Triangulation) -> tuple[Array, IntArray]:
-    """Cut every triangle at its centre and the middles of its edges."""
-    points, triangles = plane
-    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, index = np.unique(sides, axis=0, return_inverse=True)
-    middle = len(points) + index.reshape(-1, 3)
-    centre = len(points) + len(edges) + np.arange(len(triangles))
-    nodes = np.vstack([points, points[edges].mean(axis=1), points[triangles].mean(axis=1)])
-    quads = [
-        np.column_stack([triangles[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(3)
-    ]
-    return nodes, np.vstack(quads).astype(np.int64)
 
 
 _HEX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))

@@ -72,7 +72,21 @@ def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoint
     corners = mesh.nodes[faces]
     quads = faces.shape[1] == 4
     rule = _quad if quads else _tri
-    points, weights = _quad_rule(order) if quads else _tri_rule(order - 1)
+    if quads:
+        along, size = np.polynomial.legendre.leggauss(order)
+        points = np.array([(s, t) for t in along for s in along])
+        weights = np.outer(size, size).ravel()
+    else:
+        # three points in each of the equal parts of a triangle
+        parts = order - 1
+        steps = range(parts)
+        upward = [(i, j, 1.0) for i in steps for j in steps if i + j < parts]
+        downward = [(i + 1, j + 1, -1.0) for i in steps for j in steps if i + j < parts - 1]
+        thirds = [
+            (np.array([i, j]) + sign * _TRI_POINTS) / parts for i, j, sign in upward + downward
+        ]
+        points = np.vstack(thirds)
+        weights = np.full(len(points), 0.5 / len(points))
     place, push, shape = [], [], []
     for point, weight in zip(points, weights, strict=True):
         values, slopes = rule(point)
@@ -83,22 +97,6 @@ def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoint
     return FacePoints(
         np.vstack(place), np.vstack(push), np.tile(faces, (len(points), 1)), np.vstack(shape)
     )
-
-
-def _quad_rule(order: int) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(order)
-    points = np.array([(s, t) for t in nodes for s in nodes])
-    return points, np.outer(weights, weights).ravel()
-
-
-def _tri_rule(parts: int) -> tuple[Array, Array]:
-    """Three points in each of the equal parts of a triangle."""
-    steps = range(parts)
-    upward = [(i, j, 1.0) for i in steps for j in steps if i + j < parts]
-    downward = [(i + 1, j + 1, -1.0) for i in steps for j in steps if i + j < parts - 1]
-    points = [(np.array([i, j]) + sign * _TRI_POINTS) / parts for i, j, sign in upward + downward]
-    stacked = np.vstack(points)
-    return stacked, np.full(len(stacked), 0.5 / len(stacked))
 
 
 @final
@@ -133,7 +131,22 @@ class AreaPressure:
         direction = 1.0 if self.side == "bottom" else -1.0
         push = np.zeros((int(hit.sum()), 3))
         push[:, 2] = direction * area[hit]
-        shape = _shape_at(corners[hit][:, :, :2], centre)
+        quad = corners[hit][:, :, :2]
+        if quad.shape[1] == 3:
+            origin = quad[:, 0]
+            axes = np.stack([quad[:, 1] - origin, quad[:, 2] - origin], axis=2)
+            inside = np.linalg.solve(axes, (centre - origin)[:, :, None])[:, :, 0]
+            shape = np.column_stack([1.0 - inside.sum(axis=1), inside])
+        else:
+            local: Array = np.zeros_like(centre)
+            for _ in range(6):
+                values, slopes = _quad(local.T)
+                error = centre - np.einsum("ak,kai->ki", values, quad)
+                axes = np.stack([np.einsum("ak,kai->ki", g, quad) for g in slopes], axis=2)
+                local = np.asarray(
+                    local + np.linalg.solve(axes, error[:, :, None])[:, :, 0], dtype=float
+                )
+            shape = np.asarray(_quad(local.T)[0].T)
         points = FacePoints(push, push, faces[hit][:, : shape.shape[1]], shape)
         out = points.traction(push, len(mesh.nodes))
         return out if self.per_area else out / area[hit].sum()
@@ -141,22 +154,6 @@ class AreaPressure:
 
 def _missed(name: str) -> GeometryError:
     return GeometryError("elastic body", f"no surface under load {name!r}", "are loads on it")
-
-
-def _shape_at(corners: Array, place: Array) -> Array:
-    """Shape functions of plane faces at a place inside; linear ones on triangles."""
-    if corners.shape[1] == 3:
-        origin = corners[:, 0]
-        axes = np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2)
-        inside = np.linalg.solve(axes, (place - origin)[:, :, None])[:, :, 0]
-        return np.column_stack([1.0 - inside.sum(axis=1), inside])
-    local: Array = np.zeros_like(place)
-    for _ in range(6):
-        values, slopes = _quad(local.T)
-        error = place - np.einsum("ak,kai->ki", values, corners)
-        axes = np.stack([np.einsum("ak,kai->ki", g, corners) for g in slopes], axis=2)
-        local = np.asarray(local + np.linalg.solve(axes, error[:, :, None])[:, :, 0], dtype=float)
-    return np.asarray(_quad(local.T)[0].T)
 
 
 @final

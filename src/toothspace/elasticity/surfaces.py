@@ -117,7 +117,17 @@ class PlaneSurface:
         csr_matrix, shape (k, nodes)
             Hat functions; a point outside takes the plane of the nearest triangle.
         """
-        return _barycentric(self._plane, self._finder, np.asarray(points, dtype=float)[:, :2])
+        at = np.asarray(points, dtype=float)[:, :2]
+        tree, origin, inverse = self._finder
+        count = len(self._plane.triangles)
+        chosen, weight = np.zeros(len(at), dtype=np.int64), np.zeros((len(at), 3))
+        left = np.arange(len(at))
+        # most points lie in one of the two nearest triangles, which are found faster
+        for near in (min(2, count), min(_NEAREST, count)):
+            tried = tree.query(at[left], k=near)[1].reshape(left.size, near)
+            held = _place(at, left, tried, origin, inverse, chosen, weight)
+            left = left[~held]
+        return _rows(self._plane.triangles[chosen], weight, len(self._plane.points))
 
 
 class _Finder(NamedTuple):
@@ -134,19 +144,6 @@ def _finder(plane: Triangulation) -> _Finder:
     edges = np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2)
     inverse: Array = np.asarray(np.linalg.inv(edges), dtype=np.float64)
     return _Finder(scipy.spatial.cKDTree(corners.mean(axis=1)), origin, inverse)
-
-
-def _barycentric(plane: Triangulation, finder: _Finder, points: Array) -> scipy.sparse.csr_matrix:
-    tree, origin, inverse = finder
-    count = len(plane.triangles)
-    chosen, weight = np.zeros(len(points), dtype=np.int64), np.zeros((len(points), 3))
-    left = np.arange(len(points))
-    # most points lie in one of the two nearest triangles, which are found faster
-    for near in (min(2, count), min(_NEAREST, count)):
-        tried = tree.query(points[left], k=near)[1].reshape(left.size, near)
-        held = _place(points, left, tried, origin, inverse, chosen, weight)
-        left = left[~held]
-    return _rows(plane.triangles[chosen], weight, len(plane.points))
 
 
 @njit(nogil=True)

@@ -62,7 +62,15 @@ def save_film_vtk(film: FilmSolution, path: Path) -> None:
 
     Cell data; journal films stand on the cylinder of the bush, others in their plane.
     """
-    points = _corners(film)
+    _, (first, second) = _coordinates(film)
+    u, v = np.meshgrid(_edges(first), _edges(second), indexing="ij")
+    if isinstance(film, JournalBearingSolution):
+        radius = 0.5 * film.bearing.diameter
+        points = np.stack([radius * np.cos(u), radius * np.sin(u), v], axis=-1)
+    elif isinstance(film, LateralSolution):
+        points = np.stack([v * np.cos(u), v * np.sin(u), np.zeros_like(u)], axis=-1)
+    else:
+        points = np.stack([u, v, np.zeros_like(u)], axis=-1)
     rows, lanes = points.shape[0] - 1, points.shape[1] - 1
     extent = f"0 {lanes} 0 {rows} 0 0"
     arrays = "".join(
@@ -107,18 +115,6 @@ def _fields(film: FilmSolution) -> dict[str, Array]:
     if not isinstance(film, PadSolution):
         fields["contact_pressure"] = film.contact_pressure
     return fields
-
-
-def _corners(film: FilmSolution) -> Array:
-    """Corner points of the cells, shape (rows + 1, lanes + 1, 3). [m]."""
-    _, (first, second) = _coordinates(film)
-    u, v = np.meshgrid(_edges(first), _edges(second), indexing="ij")
-    if isinstance(film, JournalBearingSolution):
-        radius = 0.5 * film.bearing.diameter
-        return np.stack([radius * np.cos(u), radius * np.sin(u), v], axis=-1)
-    if isinstance(film, LateralSolution):
-        return np.stack([v * np.cos(u), v * np.sin(u), np.zeros_like(u)], axis=-1)
-    return np.stack([u, v, np.zeros_like(u)], axis=-1)
 
 
 def _edges(centres: Array) -> Array:

@@ -26,6 +26,11 @@ def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
         mass, whirl = critical_mass(film.stiffness, film.damping)
     speed = abs(film.speed.shaft)
     found = np.isfinite(mass) and speed > 0.0
+    if film.solved.mesh.weight > 1.0:
+        tilted = {}
+    else:
+        stiffness, damping = film.coefficients()
+        tilted = {"stiffness_4x4": stiffness.tolist(), "damping_4x4": damping.tolist()}
     return {
         "force_x_N": float(film.force[0]),
         "force_y_N": float(film.force[1]),
@@ -51,21 +56,13 @@ def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
         "mass_balance_error": film.mass_balance_error,
         "stiffness_N_per_m": film.stiffness.tolist(),
         "damping_N_s_per_m": film.damping.tolist(),
-        **_tilt_coefficients(film),
+        **tilted,
         **{
             "critical_mass_kg": _finite(mass),
             "whirl_frequency_ratio": whirl / speed if found else None,
         },
         "status": film.status.name.lower(),
     }
-
-
-def _tilt_coefficients(film: JournalBearingSolution) -> dict[str, Any]:
-    """Coefficients 4x4 of a film that is not mirrored: tilted, or fed from one side. [N, N m]."""
-    if film.solved.mesh.weight > 1.0:
-        return {}
-    stiffness, damping = film.coefficients()
-    return {"stiffness_4x4": stiffness.tolist(), "damping_4x4": damping.tolist()}
 
 
 def faces_summary(faces: FaceFilms) -> dict[str, Any]:

@@ -339,7 +339,20 @@ def solve_compliant(
     if given is None or former is None or former.plane.film.grid is not film.grid:
         above = film.grid.prescribed - lowest
         given = GivenPressures(fluid.reduced_grid(film.grid), fluid.reduced_law(lowest), above)
-    unknown, kind = _begin(given, former, film)
+    known = film.grid.mark == PRESCRIBED
+    if former is None:
+        potential = np.where(known, given.grid.prescribed - given.law.floor, 0.0)
+        unknown, kind = potential.ravel(), np.where(known, PRESCRIBED, SATURATED)
+    else:
+        fields, kind = former.plane.fields, former.kind.copy()
+        potential = fields.potential
+        if former.given is not given:
+            bare = kind == PRESCRIBED
+            kind[bare] = SATURATED
+            kind[known] = PRESCRIBED
+            potential = np.where(known, given.grid.prescribed - given.law.floor, potential)
+            _carry(bare, kind, film.grid.sweep_x, fields.potential, potential)
+        unknown = np.where(kind == UNSATURATED, fields.saturation, potential).ravel()
     contact = np.zeros(kind.shape) if former is None else former.contact
     settled = False
     system = None if former is None else former.plane.fields.system
@@ -445,25 +458,6 @@ def compliant_responses(
         flow_change(found, sweep, motion, fields.potential, fields.saturation) for motion in motions
     ]
     return solved_responses(fields, flows, linear)
-
-
-def _begin(
-    given: GivenPressures, former: CompliantSolution | None, film: PlaneFilm
-) -> tuple[Array, IntArray]:
-    """Unknowns and kinds of a similar film, or of one without pressure."""
-    known = film.grid.mark == PRESCRIBED
-    if former is None:
-        potential = np.where(known, given.grid.prescribed - given.law.floor, 0.0)
-        return potential.ravel(), np.where(known, PRESCRIBED, SATURATED)
-    fields, kind = former.plane.fields, former.kind.copy()
-    potential = fields.potential
-    if former.given is not given:
-        bare = kind == PRESCRIBED
-        kind[bare] = SATURATED
-        kind[known] = PRESCRIBED
-        potential = np.where(known, given.grid.prescribed - given.law.floor, potential)
-        _carry(bare, kind, film.grid.sweep_x, fields.potential, potential)
-    return np.where(kind == UNSATURATED, fields.saturation, potential).ravel(), kind
 
 
 @kernel

@@ -145,7 +145,13 @@ class InterpolatedEquilibrium:
             if abs(error) <= _LEAKAGE or not held.equilibrium.settled:
                 break
             position = held.balance.position
-            step = _step(_room(held), (place, error), known)
+            room = _room(held)
+            # the opening that corrects the leakage, at first by the cube of the gaps
+            step = room * float(np.expm1(-error / 3.0))
+            if known is not None and known[1] != error:
+                secant = -error * (place - known[0]) / (error - known[1])
+                step = secant if secant * error < 0.0 else step
+            step = float(np.clip(step, -_LEAST_STEP * room, room / _LEAST_STEP))
             known, place = (place, error), place + step
         return held
 
@@ -232,16 +238,6 @@ def _room(held: SettledBearing) -> float:
     """Opening that closes all gaps. [m]."""
     sides = 1.0 if held.problem.stack.two_floating else 2.0
     return sides * float(held.numbers.gaps.mean())
-
-
-def _step(room: float, now: tuple[float, float], known: tuple[float, float] | None) -> float:
-    """Change of the opening that corrects the leakage, at first by the cube of the gaps. [m]."""
-    place, error = now
-    step = room * float(np.expm1(-error / 3.0))
-    if known is not None and known[1] != error:
-        secant = -error * (place - known[0]) / (error - known[1])
-        step = secant if secant * error < 0.0 else step
-    return float(np.clip(step, -_LEAST_STEP * room, room / _LEAST_STEP))
 
 
 LumpedRun = Callable[[MachineDescription], Solution]

@@ -290,22 +290,21 @@ def elastic_faces(
     matrices = {name: influence_matrix(body, estimate_error=False) for name, body in bodies.items()}
     faces = ElasticFaces(grids, matrices, _unloaded, (0.0,) * len(grids))
     snapshot = Snapshot(0.0, tuple(grid.mask(0.0) for grid in grids), np.zeros(0))
-    local = tuple(_fine_compliance(faces, snapshot, k) for k in range(len(grids)))
-    return ElasticFaces(grids, matrices, named_loads or _unloaded, local)
+    # deformation over pressure, where the pressure goes up and down round the face
+    local = []
+    for k in range(len(grids)):
+        grid = faces.grids[k]
+        probe = [np.zeros_like(g.area) for g in faces.grids]
+        wave = np.cos(_PROBE_WAVES * grid.angle)[:, None] * np.ones(grid.lanes)
+        probe[k] = _PROBE * wave
+        found = faces.deformation(probe, snapshot)[k]
+        one = float((found * wave * grid.area).sum() / (wave**2 * grid.area).sum()) / _PROBE
+        local.append(one)
+    return ElasticFaces(grids, matrices, named_loads or _unloaded, tuple(local))
 
 
 def _unloaded(snapshot: Snapshot) -> Mapping[str, Mapping[str, float]]:
     return {}
-
-
-def _fine_compliance(faces: ElasticFaces, snapshot: Snapshot, index: int) -> float:
-    """Deformation over pressure, where the pressure goes up and down round the face. [m/Pa]."""
-    grid = faces.grids[index]
-    probe = [np.zeros_like(g.area) for g in faces.grids]
-    wave = np.cos(_PROBE_WAVES * grid.angle)[:, None] * np.ones(grid.lanes)
-    probe[index] = _PROBE * wave
-    found = faces.deformation(probe, snapshot)[index]
-    return float((found * wave * grid.area).sum() / (wave**2 * grid.area).sum()) / _PROBE
 
 
 if TYPE_CHECKING:

@@ -133,17 +133,12 @@ def find_equilibrium(
             return Equilibrium(now, True, time, number)
         if pushes == _MOST_PUSHES:
             return Equilibrium(now, False, time, number, _UNSTABLE.format(rate))
-        now, length, pushes = _pushed(now, motion), _PUSH_TIME / rate, pushes + 1
+        far = motion * _FAR
+        aside = _PUSH * far / overstep(now.states, far)
+        rest = np.zeros_like(motion)
+        states = tuple(replace(s, position=s.position + aside, velocity=rest) for s in now.states)
+        now, length, pushes = replace(now, states=states), _PUSH_TIME / rate, pushes + 1
     return Equilibrium(now, False, time, _MOST_STEPS, "it still moves after the last step")
-
-
-def _pushed(balance: Balance, motion: Array) -> Balance:
-    """State a little aside, without motion; films are those of the place before."""
-    far = motion * _FAR
-    aside = _PUSH * far / overstep(balance.states, far)
-    still = np.zeros_like(motion)
-    states = tuple(replace(s, position=s.position + aside, velocity=still) for s in balance.states)
-    return replace(balance, states=states)
 
 
 def _leaning(
@@ -246,7 +241,18 @@ def growing_motion(
     """
     stiffness, damping = film_coefficients(balance.states, step.fineness)
     stiffness = stiffness + stop_forces(stack, balance.position)[1]
-    basis = _moving(stack, balance, loads) / stack.arms[:, None]
+    every = np.eye(stack.size)[:, stack.free]
+    if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
+        motions = every
+    else:
+        bars = zip(stack.levers, balance.slides, strict=True)
+        held = [lever @ every for lever, slides in bars if slides == 0]
+        if not held:
+            motions = every
+        else:
+            left = np.linalg.svd(np.array(held))[2][len(held) :]
+            motions = np.asarray(every @ left.T)
+    basis = motions / stack.arms[:, None]
     matrices = -basis.T @ stiffness @ basis, basis.T @ damping @ basis
     (force, drag), shapes = eig(*matrices, homogeneous_eigvals=True)
     damped = np.abs(drag) > _UNDAMPED * np.abs(drag).max()
@@ -259,19 +265,6 @@ def growing_motion(
     if tipping[k] <= _ROUNDING * fastest:
         return 0.0, np.zeros(stack.size)
     return float(rates[k].real), basis @ shapes[:, k].real
-
-
-def _moving(stack: Stack, balance: Balance, loads: Loads) -> Array:
-    """Motions of the free coordinates that leave bearings where friction holds them."""
-    every = np.eye(stack.size)[:, stack.free]
-    if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
-        return every
-    bars = zip(stack.levers, balance.slides, strict=True)
-    held = [lever @ every for lever, slides in bars if slides == 0]
-    if not held:
-        return every
-    left = np.linalg.svd(np.array(held))[2][len(held) :]
-    return np.asarray(every @ left.T)
 
 
 _FIRST_STEP = 1e-7
@@ -356,9 +349,22 @@ def relax(
         if settled and _size(stack, now.force) <= force_tolerance * scale:
             break
         taken += 1
-        step = _step(stack, now, scale / far)
+        free, arms = stack.free, stack.arms
+        scaled = (now.stiffness / np.outer(arms, arms))[np.ix_(free, free)]
+        step = np.zeros(stack.size)
+        solved = np.linalg.solve(
+            scaled + (scale / far) * np.eye(free.size), (now.force / arms)[free]
+        )
+        step[free] = solved / arms[free]
         step = step / overstep(now.states, step)
-        found = point(now.states[0].position + step, now.states, _followed(now))
+        found = point(
+            now.states[0].position + step,
+            now.states,
+            [
+                [a + _DEFORMATION_PART * (b - a) for a, b in zip(state.distant, new, strict=True)]
+                for state, new in zip(now.states, now.wanted, strict=True)
+            ],
+        )
         error = _size(stack, found.force - (now.force - now.stiffness @ step))
         size = _size(stack, now.force)
         good = error <= _PREDICTED * max(size, _SMALL * scale)  # false where films are lost
@@ -370,24 +376,6 @@ def relax(
         now = found
         far = min(far * _GROWTH, _LONGEST_STEP) if error <= _GOOD * size else far
     return Relaxed(now.states, _size(stack, now.force) / scale, taken)
-
-
-def _step(stack: Stack, now: _Point, holding: float) -> Array:
-    """Step of the coordinates against a made-up damping. [m, rad]."""
-    free, arms = stack.free, stack.arms
-    scaled = (now.stiffness / np.outer(arms, arms))[np.ix_(free, free)]
-    step = np.zeros(stack.size)
-    found = np.linalg.solve(scaled + holding * np.eye(free.size), (now.force / arms)[free])
-    step[free] = found / arms[free]
-    return step
-
-
-def _followed(now: _Point) -> Fields:
-    """Deformation for the next films: that of the last ones on its way to what they ask for."""
-    return [
-        [a + _DEFORMATION_PART * (b - a) for a, b in zip(state.distant, new, strict=True)]
-        for state, new in zip(now.states, now.wanted, strict=True)
-    ]
 
 
 def _size(stack: Stack, force: Array) -> float:

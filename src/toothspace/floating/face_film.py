@@ -219,7 +219,11 @@ class FaceFilm:
         # what drives the flow is the reduced pressure, what it costs is the pressure
         push_x, push_y = _drops(potential, b.south, b.north)
         free = b.mark != PRESCRIBED
-        film_x, film_y = _film_faces(free)
+        before = np.vstack([free[-1:], free])
+        film_x = before | np.vstack([free, free[:1]])
+        film_x[-1] = False
+        none = np.zeros((free.shape[0], 1), dtype=bool)
+        film_y = np.hstack([none, free]) | np.hstack([free, none])
         flow_x, flow_y = (
             np.where(at, flow, 0.0)
             for at, flow in zip((film_x, film_y), self.plane.flows, strict=True)
@@ -260,15 +264,6 @@ def _drops(u: Array, south: Array, north: Array) -> tuple[Array, Array]:
     return drop_x, drop_y
 
 
-def _film_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
-    """Faces that touch film; the last face of the ring, which repeats the first, is left out."""
-    before = np.vstack([free[-1:], free])
-    film_x = before | np.vstack([free, free[:1]])
-    film_x[-1] = False
-    none = np.zeros((free.shape[0], 1), dtype=bool)
-    return film_x, np.hstack([none, free]) | np.hstack([free, none])
-
-
 class FaceDeformation(NamedTuple):
     """How faces deform: a local compliance, and the deformation by distant pressures."""
 
@@ -299,9 +294,21 @@ def solve_face(
     former : FaceFilm, optional
         Similar film to begin with.
     """
+    p, distant = grid.points, deformation.distant
+    centre = _plane(p.x, p.y, face_motion.position)
+    along, across = _plane(*p.face_x, face_motion.position), _plane(*p.face_y, face_motion.position)
+    rate = _plane(p.x, p.y, face_motion.velocity)
+    if deformation.frequency > 0.0:
+        rate += deformation.frequency * (distant - deformation.previous)
+    rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
+    gap = (
+        rigid
+        if not distant.any()
+        else deformed_gap(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
+    )
     film = PlaneFilm(
         _film_grid(grid, law, boundary, former),
-        _gap_field(grid, face_motion, deformation),
+        gap,
         law.fluid,
         law.cavitation_pressure,
         CAVITATION[law.cavitation],
@@ -369,20 +376,6 @@ def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> f
                     room = (_GROWTH - 1.0) * h + max(roughness, 1e-7)
                 most = max(most, abs(change[i, j]) / max(room, 1e-300))
     return most
-
-
-def _gap_field(grid: FaceGrid, face_motion: FaceMotion, deformation: FaceDeformation) -> GapField:
-    """Gap that the position leaves, with its deformation by distant pressures and its rate."""
-    p, distant = grid.points, deformation.distant
-    centre = _plane(p.x, p.y, face_motion.position)
-    along, across = _plane(*p.face_x, face_motion.position), _plane(*p.face_y, face_motion.position)
-    rate = _plane(p.x, p.y, face_motion.velocity)
-    if deformation.frequency > 0.0:
-        rate += deformation.frequency * (distant - deformation.previous)
-    rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
-    if not distant.any():
-        return rigid
-    return deformed_gap(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
 
 
 @njit(nogil=True)

@@ -112,7 +112,10 @@ class FaceGrid:
         """Metric, pressures of chambers, grooves, bore and rim [Pa], and sweep of the body."""
         known = ~mask.film
         speed = self.interface.speed_ratio * shaft_speed
-        along, across = _edges(mask.film)
+        ring = np.vstack([mask.film[-1:], mask.film, mask.film[:1]])
+        across = np.zeros((mask.film.shape[0], mask.film.shape[1] + 1), dtype=bool)
+        across[:, 1:-1] = mask.film[:, 1:] != mask.film[:, :-1]
+        along = np.asarray(ring[1:] != ring[:-1])
         return self._metric._replace(
             shape_x=np.where(along, 2.0, 1.0) * self._metric.shape_x,
             shape_y=np.where(across, 2.0, 1.0) * self._metric.shape_y,
@@ -136,14 +139,6 @@ class FaceGrid:
         [N, N m, N m]
         """
         return _moments(pressure, cells, self.points.x, self.points.y, self.area)
-
-
-def _edges(film: BoolArray) -> tuple[BoolArray, BoolArray]:
-    """Faces between film and chamber: the edge stands there, half a cell from the film's centre."""
-    ring = np.vstack([film[-1:], film, film[:1]])
-    across = np.zeros((film.shape[0], film.shape[1] + 1), dtype=bool)
-    across[:, 1:-1] = film[:, 1:] != film[:, :-1]
-    return np.asarray(ring[1:] != ring[:-1]), across
 
 
 @njit(nogil=True)

@@ -168,24 +168,6 @@ def advance(
     return _solve(task, former, former.slides)
 
 
-def _revised(task: _StepTask, found: _Step, v: Array, tried: tuple[int, ...]) -> tuple[int, ...]:
-    """Stick or slip of every floating bearing, revised by the forces or the motion predicted."""
-    revised = []
-    velocity, friction = v + found.step / task.duration, _friction(task, v, tried, found.holding)
-    for k, lever in enumerate(task.stack.levers):
-        speed = float(lever @ velocity)
-        limit = task.loads.law(k).breakaway_force
-        # holding asks for more than friction gives: it slides the way it is pushed
-        if tried[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
-            revised.append(-int(np.sign(friction[k])))
-        # friction would drive it on: it sticks before it turns round
-        elif tried[k] != 0 and tried[k] * speed <= 0.0:
-            revised.append(0)
-        else:
-            revised.append(tried[k])
-    return tuple(revised)
-
-
 def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> Balance:
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
@@ -215,7 +197,12 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         change = deformation.take(states, task.loads.back.low)
         steady = max(s.change for s in states) <= _STEADY
         if steady and predicted is not None and jacobian is not None:
-            jacobian = _corrected(jacobian, predicted, _forces(task, states, v, slides)[0])
+            # stiffness that would have predicted the force found after the step (Broyden 1965)
+            taken, expected = predicted
+            size = float(taken @ taken)
+            if size > 0.0:
+                missing = expected - _forces(task, states, v, slides)[0]
+                jacobian = jacobian[0] + np.outer(missing, taken) / size, jacobian[1]
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
             jacobian, age = deformation.renew(states), 0
         age += 1
@@ -269,7 +256,23 @@ def _decided(
         held = [w for k, w in enumerate(levers) if slides is not None and slides[k] == 0]
         force, drag = _forces(task, states, v, slides)
         found = _newton_step(task, jacobian, force, drag, pull, held, v)
-        revised = slides if slides is None else _revised(task, found, v, slides)
+        revised = slides
+        if slides is not None:
+            following = []
+            velocity = v + found.step / task.duration
+            friction = _friction(task, v, slides, found.holding)
+            for k, lever in enumerate(task.stack.levers):
+                speed = float(lever @ velocity)
+                limit = task.loads.law(k).breakaway_force
+                # holding asks for more than friction gives: it slides the way it is pushed
+                if slides[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
+                    following.append(-int(np.sign(friction[k])))
+                # friction would drive it on: it sticks before it turns round
+                elif slides[k] != 0 and slides[k] * speed <= 0.0:
+                    following.append(0)
+                else:
+                    following.append(slides[k])
+            revised = tuple(following)
         near = near or (steady and found.error <= _NEAR * task.scale)
         if revised == slides or not near:
             return found, slides, revised == slides
@@ -306,17 +309,6 @@ def _matrix(task: _StepTask, jacobian: tuple[Array, Array], drag: Array) -> Arra
     """Minus the derivative of the forces with the coordinates at the end of the step."""
     stiffness, damping = jacobian
     return np.asarray(stiffness + (damping + drag) / task.duration)
-
-
-def _corrected(
-    jacobian: tuple[Array, Array], predicted: tuple[Array, Array], force: Array
-) -> tuple[Array, Array]:
-    """Stiffness that would have predicted the force found after a step (Broyden 1965)."""
-    step, expected = predicted
-    size = float(step @ step)
-    if size == 0.0:
-        return jacobian
-    return jacobian[0] + np.outer(expected - force, step) / size, jacobian[1]
 
 
 def _newton_step(

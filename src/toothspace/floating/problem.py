@@ -250,57 +250,44 @@ def lateral_problem(
         compliance = loaded_bodies(balance, grids, back, data)
     warmth = {film.body: film.viscosity_ratio for film in description.laterals}
     laws = film_laws(balance, fluid, settings.cavitation, warmth)
+    if balance.shaft_stiffness is not None:
+        shaft = balance.shaft_stiffness
+    else:
+        loads = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)
+        own = {journal.body: journal for journal in description.journals}
+        held = []
+        for body, load, tilt in zip(balance.bodies, loads, balance.body_tilts, strict=False):
+            clearance = own[body].radial_clearance
+            apart = 2.0 * clearance / tilt - own[body].length  # half of it reaches the far end
+            held.append(0.5 * float(load) * apart**2 / clearance)
+        shaft = min(held, default=0.0)
     stack = Stack(
-        replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
+        replace(balance, shaft_stiffness=shaft),
         grids,
         tuple(law._replace(accuracy=_SETTLED) for law in laws),
         compliance,
         shaft_speed,
     )
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
-    loads = Loads(back, *_frictions(description, balance, data, high - low))
-    return LateralProblem(stack, snapshots, loads, pressures, settings)
-
-
-def _held_by_journals(
-    description: MachineDescription, balance: LateralBalance, data: xr.Dataset
-) -> float:
-    """Least moment over tilt by which films that carry the mean loads hold a shaft. [N m/rad].
-
-    Two bearings at a distance d with the load F each at a clearance c: F d^2 / (2 c).
-    """
-    if balance.shaft_stiffness is not None:
-        return balance.shaft_stiffness
-    loads = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)
-    own = {journal.body: journal for journal in description.journals}
-    held = []
-    for body, load, tilt in zip(balance.bodies, loads, balance.body_tilts, strict=False):
-        clearance = own[body].radial_clearance
-        apart = 2.0 * clearance / tilt - own[body].length  # half of it reaches the far end
-        held.append(0.5 * float(load) * apart**2 / clearance)
-    return min(held, default=0.0)
-
-
-def _frictions(
-    description: MachineDescription, balance: LateralBalance, data: xr.Dataset, difference: float
-) -> tuple[HousingFriction, tuple[HousingFriction, ...]]:
-    """Housing friction of the floating bearing, and of its parts beside every body."""
+    difference = high - low
     # two blocks share the force of every shaft
     shafts = -0.5 * data["journal_force"].values.mean(axis=0)[:, :2]
     toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
     whole = balance.floating.housing
     if not balance.halves:
         normal = normal_force(whole, difference, shafts.sum(axis=0) * toward_low)
-        return housing_friction(whole, normal), ()
-    normals = [
-        normal_force(half.housing, difference, shaft * toward_low)
-        for half, shaft in zip(balance.halves, shafts, strict=True)
-    ]
-    parts = tuple(
-        housing_friction(half.housing, normal)
-        for half, normal in zip(balance.halves, normals, strict=True)
-    )
-    return housing_friction(whole, sum(normals)), parts
+        loads = Loads(back, housing_friction(whole, normal))
+    else:
+        normals = [
+            normal_force(half.housing, difference, shaft * toward_low)
+            for half, shaft in zip(balance.halves, shafts, strict=True)
+        ]
+        parts = tuple(
+            housing_friction(half.housing, normal)
+            for half, normal in zip(balance.halves, normals, strict=True)
+        )
+        loads = Loads(back, housing_friction(whole, sum(normals)), parts)
+    return LateralProblem(stack, snapshots, loads, pressures, settings)
 
 
 def balance_of(description: MachineDescription) -> LateralBalance:
@@ -347,6 +334,21 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
     held_down = [float(s.hold_down(back.low)[0]) for s in balance.states]
     margins = [s.tipping_margin(back.low) for s in balance.states]
     span = max(back.high - back.low, 1.0)
+    areas = []
+    for f in films:
+        own = f.grid.interface.face.surfaces
+        if own is None or own.roughness <= 0.0:
+            area = 0.0
+        else:
+            share = real_contact_share(
+                f.contact,
+                own.roughness,
+                own.correlation_length,
+                own.effective_modulus,
+                own.hardness,
+            )
+            area = float((share * f.grid.area).sum())
+        areas.append(area)
     return LateralNumbers(
         position=stack.gauge(balance.position),
         gaps=np.mean([s.mean_gaps() for s in balance.states], axis=0),
@@ -356,7 +358,7 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
         viscous_torque=sum(x.shear for x in lost) / count / speed,
         asperity_torque=sum(x.asperity for x in lost) / count / speed,
         contact_force=sum(float((f.contact * f.grid.area).sum()) for f in films) / count,
-        real_contact_area=sum(_real_area(f) for f in films) / count,
+        real_contact_area=sum(areas) / count,
         contact_share=float(np.mean([_contact_share(f) for f in films])),
         wear_power=max(float(wear_power(f, speed).max()) for f in films),
         friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
@@ -371,16 +373,6 @@ def wear_power(film: FaceFilm, shaft_speed: float) -> Array:
     """Asperity pressure times sliding speed, the indicator of wear. [W/m2]."""
     speed = abs(film.grid.interface.speed_ratio) * shaft_speed * film.grid.radius
     return film.contact * speed
-
-
-def _real_area(film: FaceFilm) -> float:
-    own = film.grid.interface.face.surfaces
-    if own is None or own.roughness <= 0.0:
-        return 0.0
-    share = real_contact_share(
-        film.contact, own.roughness, own.correlation_length, own.effective_modulus, own.hardness
-    )
-    return float((share * film.grid.area).sum())
 
 
 def _contact_share(film: FaceFilm) -> float:

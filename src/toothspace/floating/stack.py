@@ -188,18 +188,12 @@ class Stack:
         """Coordinates that move."""
         axial = self.balance.motion == "axial"
         found = np.arange(0, self.size, _MOTIONS if axial else 1)
-        return found[~np.isin(found - found % _MOTIONS, self._references)]
-
-    @property
-    def _references(self) -> list[int]:
-        """First coordinates of bodies that stay where they are.
-
-        Nothing changes when all that is between two floating bearings moves with them.
-        """
         if self.balance.arrangement == "fixed":
-            return [part.first for part in self.moving_bearings]
-        groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
-        return [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+            references = [part.first for part in self.moving_bearings]
+        else:
+            groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
+            references = [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+        return found[~np.isin(found - found % _MOTIONS, references)]
 
     def _body(self, name: str) -> int:
         """First coordinate of a turning body."""
@@ -535,7 +529,14 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
         stiffness += spring.stiffness * np.outer(lever, lever)
     held = stack.balance.shaft_stiffness or 0.0
     for tilts, most in _shafts(stack):
-        moment, slope = _journal_moment(q[tilts], most)
+        # a shaft that is tilted by more than its bearings allow is pushed back
+        tilt, moment, slope = q[tilts], np.zeros(2), np.zeros((2, 2))
+        size = float(np.hypot(*tilt))
+        beyond = size - most
+        if beyond > 0.0:
+            sense = np.outer(tilt, tilt) / size**2
+            bend = sense + beyond / size * (np.eye(2) - sense)
+            moment, slope = -_SHAFT_STIFFNESS * beyond / size * tilt, _SHAFT_STIFFNESS * bend
         force[tilts] += moment - held * q[tilts]
         stiffness[tilts, tilts] += slope + held * np.eye(2)
     return force, stiffness
@@ -572,14 +573,3 @@ def _shafts(stack: Stack) -> list[tuple[slice, float]]:
     most = stack.balance.body_tilts or (np.inf,) * count
     places = [stack.first_body + 3 * k for k in range(count)]
     return [(slice(p + 1, p + 3), m) for p, m in zip(places, most, strict=True)]
-
-
-def _journal_moment(tilt: Array, most: float) -> tuple[Array, Array]:
-    """Moments on a shaft that is tilted by more than its bearings allow, and their stiffness."""
-    size = float(np.hypot(*tilt))
-    over = size - most
-    if over <= 0.0:
-        return np.zeros(2), np.zeros((2, 2))
-    sense = np.outer(tilt, tilt) / size**2
-    slope = sense + over / size * (np.eye(2) - sense)
-    return -_SHAFT_STIFFNESS * over / size * tilt, _SHAFT_STIFFNESS * slope

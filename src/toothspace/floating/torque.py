@@ -47,7 +47,14 @@ def with_film_torque(
     of the run ask for by drag against pressure is part of that power, and is left out.
     """
     stack = balance.states[0].stack
-    powers = _powers(balance)
+    powers: dict[str, Array] = {}
+    for state in balance.states:
+        for own, gap in zip(state.films, state.mean_gaps(), strict=True):
+            lost = own.losses
+            sides = sum(f.grid.interface.body == own.grid.interface.body for f in state.films)
+            entry = np.array([lost.shear, lost.asperity, gap / sides]) / len(balance.states)
+            body = own.grid.interface.body
+            powers[body] = powers.get(body, np.zeros(3)) + entry
     doubled = _drag_torque(data) * stack.shaft_speed / len(powers)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
 
@@ -72,19 +79,6 @@ def pressure_torque(balance: Balance) -> float:
     lost = [film.losses for state in balance.states for film in state.films]
     power = sum(one.drag + one.asperity for one in lost) / len(balance.states)
     return power / balance.states[0].stack.shaft_speed
-
-
-def _powers(balance: Balance) -> dict[str, Array]:
-    """Power of shear and of asperities [W] and mean gap [m] of the films on every body."""
-    found: dict[str, Array] = {}
-    for state in balance.states:
-        for film, gap in zip(state.films, state.mean_gaps(), strict=True):
-            lost = film.losses
-            sides = sum(f.grid.interface.body == film.grid.interface.body for f in state.films)
-            entry = np.array([lost.shear, lost.asperity, gap / sides]) / len(balance.states)
-            body = film.grid.interface.body
-            found[body] = found.get(body, np.zeros(3)) + entry
-    return found
 
 
 def _drag_torque(data: xr.Dataset) -> float:

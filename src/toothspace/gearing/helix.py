@@ -77,7 +77,22 @@ class Helix:
         """
         if path.kind == "orifice":
             sections = 2 if path.multiplicity == 2.0 else _SECTIONS
-            return replace(path, geometry=self._opening(path, sections))
+            table = path.geometry
+            if sections == _SECTIONS:
+                area = table.moving_mean(self.twist * path.angle_ratio).values[:, 0]
+            else:
+                area = self._over(table, self._leads(path, sections))[..., 0].mean(axis=0)
+            found = self._over(table, self._leads(path, sections))
+            open_area = np.maximum(found[..., 0], 0.0)
+            total = open_area.sum(axis=0)
+            weighted = (open_area * found[..., 1]).sum(axis=0)
+            diameter = np.where(total > 0.0, weighted / np.where(total > 0.0, total, 1.0), 0.0)
+            return replace(
+                path,
+                geometry=monotone_table(
+                    table.period, np.column_stack([np.maximum(area, 0.0), diameter])
+                ),
+            )
         if path.kind == "parallel_gap" and path.height_by_motion is None:
             return path  # lands that are alike at every place
         return self._gap(path, 3.0 if path.kind == "parallel_gap" else _CURVED_GAP)
@@ -122,19 +137,6 @@ class Helix:
         """Table angles of sections relative to that of the middle. [rad]."""
         half = 0.5 * self.twist * path.angle_ratio
         return np.linspace(-half, half, sections)
-
-    def _opening(self, path: FlowPath, sections: int) -> PeriodicTable:
-        table = path.geometry
-        if sections == _SECTIONS:
-            area = table.moving_mean(self.twist * path.angle_ratio).values[:, 0]
-        else:
-            area = self._over(table, self._leads(path, sections))[..., 0].mean(axis=0)
-        found = self._over(table, self._leads(path, sections))
-        open_area = np.maximum(found[..., 0], 0.0)
-        total = open_area.sum(axis=0)
-        weighted = (open_area * found[..., 1]).sum(axis=0)
-        diameter = np.where(total > 0.0, weighted / np.where(total > 0.0, total, 1.0), 0.0)
-        return monotone_table(table.period, np.column_stack([np.maximum(area, 0.0), diameter]))
 
     def _gap(self, path: FlowPath, power: float) -> FlowPath:
         leads, table = self._leads(path, _SECTIONS), path.geometry

@@ -160,20 +160,15 @@ def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Arr
     inlet += _overlap(behind + turn, ahead + turn, lens, inlet_edge)
     outlet = _overlap(behind, np.minimum(last, ahead), -outlet_edge, -lens)
     outlet += _overlap(behind - turn, ahead - turn, -outlet_edge, -lens)
-    beyond_in, beyond_out = _beyond_lens(spaces)
-    return tip * inlet + beyond_in, tip * outlet + beyond_out
-
-
-def _beyond_lens(spaces: Spaces) -> tuple[Array, Array]:
     # a throat that ends on the other gear's tip circle leaves its arc up to the lens to this space
-    lens, radius = _lens(spaces, own=False), abs(spaces.other.tip_radius)
-    inlet, outlet = np.zeros(spaces.angles.size), np.zeros(spaces.angles.size)
+    other_lens, radius = _lens(spaces, own=False), abs(spaces.other.tip_radius)
+    beyond_in, beyond_out = np.zeros(spaces.angles.size), np.zeros(spaces.angles.size)
     for side in (spaces.left, spaces.right):
         along = _with_rotation(spaces.other, other_end(spaces, side).along)
         there = side.weight > 0.0
-        inlet += np.where(there, np.maximum(along - lens, 0.0), 0.0)
-        outlet += np.where(there, np.maximum(-lens - along, 0.0), 0.0)
-    return radius * inlet, radius * outlet
+        beyond_in += np.where(there, np.maximum(along - other_lens, 0.0), 0.0)
+        beyond_out += np.where(there, np.maximum(-other_lens - along, 0.0), 0.0)
+    return tip * inlet + radius * beyond_in, tip * outlet + radius * beyond_out
 
 
 def _lens(spaces: Spaces, *, own: bool) -> float:
@@ -215,7 +210,16 @@ def groove_openings(
     """
     if not polygons:
         return {}
-    reach = max(_reach(spaces, groove) for groove in polygons.values())
+    reaches = []
+    for groove in polygons.values():
+        if shapely.Polygon(groove).buffer(1e-6).contains(shapely.Point(*spaces.center)):
+            place = float(np.pi)
+        else:
+            x, y = (groove - spaces.center).T
+            rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
+            place = float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))
+        reaches.append(place)
+    reach = max(reaches)
     near = np.flatnonzero(np.abs(spaces.angles) < reach)
     shapes = enclosed(space_outlines(spaces, near))
     found = {}
@@ -230,12 +234,3 @@ def groove_openings(
         table[near[there]] = np.column_stack([series, 4.0 * area / perimeter])
         found[name] = table
     return found
-
-
-def _reach(spaces: Spaces, groove: Array) -> float:
-    # largest place of a tooth space that touches the groove
-    if shapely.Polygon(groove).buffer(1e-6).contains(shapely.Point(*spaces.center)):
-        return float(np.pi)
-    x, y = (groove - spaces.center).T
-    rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
-    return float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))

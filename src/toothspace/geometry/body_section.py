@@ -364,7 +364,20 @@ def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> l
         Bodies in any order.
     """
     ordered = sorted(bodies, key=lambda body: -body.mesh.volume)
-    numbers = _chosen(file, ordered, request)
+    if not ordered:
+        raise GeometryError(file, "no body", "at least one closed body")
+    if request.part is not None:
+        names = [body.name for body in ordered]
+        if request.part not in names:
+            known = ", ".join(repr(name) for name in dict.fromkeys(names) if name) or "no names"
+            raise GeometryError(file, f"no body named {request.part!r}", known)
+        numbers = [k for k, name in enumerate(names) if name == request.part]
+    elif request.body is None:
+        numbers = list(range(len(ordered)))
+    else:
+        if not 0 <= request.body < len(ordered):
+            raise GeometryError(file, f"body = {request.body}", f"0 to {len(ordered) - 1}")
+        numbers = [request.body]
     found = [cut for number in numbers for cut in _cuts(number, ordered[number], request)]
     sections = [cut for cut in found if cut.curves]
     if not sections:
@@ -373,22 +386,6 @@ def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> l
         plane = "" if request.plane is None else f" = {request.plane * 1e3:.5g} mm"
         raise GeometryError(file, f"plane_z{plane}", f"{low:.5g} to {high:.5g} mm")
     return sections
-
-
-def _chosen(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[int]:
-    if not bodies:
-        raise GeometryError(file, "no body", "at least one closed body")
-    if request.part is not None:
-        names = [body.name for body in bodies]
-        if request.part not in names:
-            known = ", ".join(repr(name) for name in dict.fromkeys(names) if name) or "no names"
-            raise GeometryError(file, f"no body named {request.part!r}", known)
-        return [k for k, name in enumerate(names) if name == request.part]
-    if request.body is None:
-        return list(range(len(bodies)))
-    if not 0 <= request.body < len(bodies):
-        raise GeometryError(file, f"body = {request.body}", f"0 to {len(bodies) - 1}")
-    return [request.body]
 
 
 def _cuts(number: int, body: SolidBody, request: SectionRequest) -> list[BodySection]:

@@ -137,7 +137,16 @@ def _stl_bytes(section: Section, width: float, unit: float) -> bytes:
     import shapely
 
     trimesh = package_of_extra("trimesh", "cad", "export: found the format 'stl'")
-    curves = [_distinct_in_single_precision(c / unit) for c in section.curves]
+    curves = []
+    for c in section.curves:
+        outline = c / unit
+        # STL stores 32-bit numbers: neighbours that would coincide leave a leaking mesh
+        spacing = 8.0 * np.finfo(np.float32).eps * float(np.abs(outline).max())
+        kept = [outline[0]]
+        for point in outline[1:]:
+            if np.hypot(*(point - kept[-1])) > spacing:
+                kept.append(point)
+        curves.append(np.array(kept))
     vertices = np.vstack(curves)
     number = {point.tobytes(): index for index, point in enumerate(vertices)}
     # one fan per gear would fold at undercut roots; constrained triangles never do
@@ -147,16 +156,6 @@ def _stl_bytes(section: Section, width: float, unit: float) -> bytes:
     indices = np.asarray([[number[c.tobytes()] for c in triangle] for triangle in corners])
     solid = trimesh.creation.extrude_triangulation(vertices, indices, height=width / unit)
     return bytes(solid.export(file_type="stl"))
-
-
-def _distinct_in_single_precision(outline: Array) -> Array:
-    # STL stores 32-bit numbers: neighbours that would coincide leave a leaking mesh
-    spacing = 8.0 * np.finfo(np.float32).eps * float(np.abs(outline).max())
-    kept = [outline[0]]
-    for point in outline[1:]:
-        if np.hypot(*(point - kept[-1])) > spacing:
-            kept.append(point)
-    return np.array(kept)
 
 
 def _step_bytes(section: Section, width: float) -> bytes:
@@ -195,7 +194,21 @@ def step_face(section: Section) -> Any:
     for pieces in (boundary, *(smooth_pieces(hole[::-1]) for hole in section.holes)):
         wire = BRepBuilderAPI_MakeWire()
         for piece in pieces:
-            wire.Add(_spline_edge(piece))
+            points = piece
+            from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+            from OCP.GeomAPI import GeomAPI_Interpolate
+            from OCP.gp import gp_Pnt
+
+            points = points / _MILLIMETRE
+            step = np.hypot(*np.diff(points, axis=0).T)
+            kept = points[np.concatenate([step > 2e-6, [True]])]
+            kept[0] = points[0]
+            array = _point_array_type()(1, len(kept))
+            for index, (x, y) in enumerate(kept):
+                array.SetValue(index + 1, gp_Pnt(float(x), float(y), 0.0))
+            builder = GeomAPI_Interpolate(array, False, 1e-7)
+            builder.Perform()
+            wire.Add(BRepBuilderAPI_MakeEdge(builder.Curve()).Edge())
         wires.append(wire.Wire())
     made = BRepBuilderAPI_MakeFace(wires[0], True)
     for hole in wires[1:]:
@@ -224,23 +237,6 @@ def smooth_pieces(curve: Array) -> list[Array]:
     closed = np.vstack([np.roll(curve, -cuts[0], axis=0), curve[cuts[0]]])
     ends = [*(cuts - cuts[0]), len(curve)]
     return [closed[a : b + 1] for a, b in pairwise(ends)]
-
-
-def _spline_edge(points: Array) -> Any:
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
-    from OCP.GeomAPI import GeomAPI_Interpolate
-    from OCP.gp import gp_Pnt
-
-    points = points / _MILLIMETRE
-    step = np.hypot(*np.diff(points, axis=0).T)
-    kept = points[np.concatenate([step > 2e-6, [True]])]
-    kept[0] = points[0]
-    array = _point_array_type()(1, len(kept))
-    for index, (x, y) in enumerate(kept):
-        array.SetValue(index + 1, gp_Pnt(float(x), float(y), 0.0))
-    builder = GeomAPI_Interpolate(array, False, 1e-7)
-    builder.Perform()
-    return BRepBuilderAPI_MakeEdge(builder.Curve()).Edge()
 
 
 def _point_array_type() -> Any:

@@ -70,7 +70,13 @@ def load_closed_curves(
     else:
         path = _present(path)
         with reading(path, "an intact file"):
-            curves = _read(path, unit, layer)
+            if path.suffix.lower() in SOLID_SUFFIXES:
+                cuts = solid_sections(path, unit, SectionRequest())
+                curves = [curve for cut in cuts for curve in cut.curves]
+            elif path.stat().st_size > _LARGE:
+                curves = read_curves(path, unit, layer)
+            else:
+                curves = plane_curves(path, unit, layer)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:
@@ -126,15 +132,6 @@ def _present(path: Path) -> Path:
     return path
 
 
-def _read(path: Path, unit: float, layer: str | None) -> list[Array]:
-    if path.suffix.lower() in SOLID_SUFFIXES:
-        cuts = solid_sections(path, unit, SectionRequest())
-        return [curve for cut in cuts for curve in cut.curves]
-    if path.stat().st_size > _LARGE:
-        return read_curves(path, unit, layer)
-    return plane_curves(path, unit, layer)
-
-
 def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
     """Curves [m] of a text or DXF file, read in this process; see ``load_closed_curves``."""
     suffix = path.suffix.lower()
@@ -165,27 +162,24 @@ def chain_closed(pieces: list[Array], tolerance: float, name: str) -> list[Array
     while remaining:
         chain = remaining.pop(0)
         while np.hypot(*(chain[-1] - chain[0])) > tolerance or len(chain) < 3:
-            chain = np.vstack([chain, _next_piece(chain[-1], remaining, tolerance, name)[1:]])
+            end = chain[-1]
+            gaps = [
+                min((float(np.hypot(*(piece[side] - end))), index, side) for side in (0, -1))
+                for index, piece in enumerate(remaining)
+            ]
+            nearest = min(gaps, default=(np.inf, 0, 0))
+            if nearest[0] > tolerance:
+                gap = f"{nearest[0] * 1e3:.3g} mm" if gaps else "no further curve"
+                raise GeometryError(
+                    name,
+                    f"an open curve ending at x = {end[0] * 1e3:.5g} mm, "
+                    f"y = {end[1] * 1e3:.5g} mm (next end: {gap})",
+                    "closed curves",
+                )
+            piece = remaining.pop(nearest[1])
+            chain = np.vstack([chain, (piece if nearest[2] == 0 else piece[::-1])[1:]])
         closed.append(chain[:-1])
     return closed
-
-
-def _next_piece(end: Array, remaining: list[Array], tolerance: float, name: str) -> Array:
-    gaps = [
-        min((float(np.hypot(*(piece[side] - end))), index, side) for side in (0, -1))
-        for index, piece in enumerate(remaining)
-    ]
-    nearest = min(gaps, default=(np.inf, 0, 0))
-    if nearest[0] > tolerance:
-        gap = f"{nearest[0] * 1e3:.3g} mm" if gaps else "no further curve"
-        raise GeometryError(
-            name,
-            f"an open curve ending at x = {end[0] * 1e3:.5g} mm, y = {end[1] * 1e3:.5g} mm (next "
-            f"end: {gap})",
-            "closed curves",
-        )
-    piece = remaining.pop(nearest[1])
-    return piece if nearest[2] == 0 else piece[::-1]
 
 
 _COMMENT = ("#", "%", "//", "!")
@@ -339,7 +333,14 @@ def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
         pieces = [piece for piece in pieces if np.ptp(piece, axis=0).max() > 0.0]
         if not pieces:
             return np.zeros((0, 2))
-        joined = [pieces[0] if _ends_at(pieces, 0) else pieces[0][::-1]]
+        if len(pieces) == 1:
+            first_ahead = True
+        else:
+            ends = pieces[0 + 1][[0, -1]]
+            gap_end = np.min(np.hypot(*(ends - pieces[0][-1]).T))
+            gap_start = np.min(np.hypot(*(ends - pieces[0][0]).T))
+            first_ahead = bool(gap_end <= gap_start)
+        joined = [pieces[0] if first_ahead else pieces[0][::-1]]
         for piece in pieces[1:]:
             ahead = np.hypot(*(piece[0] - joined[-1][-1])) <= np.hypot(
                 *(piece[-1] - joined[-1][-1])
@@ -355,16 +356,6 @@ def _flattened(entity: Any, sagitta: float, path: Path) -> Array:
         kind = entity.dxftype()
         raise GeometryError(path, f"a {kind} that is not finite", "numbers")
     return points
-
-
-def _ends_at(pieces: list[Array], index: int) -> bool:
-    # an arc of negative bulge comes out reversed; its neighbour tells
-    if len(pieces) == 1:
-        return True
-    ends = pieces[index + 1][[0, -1]]
-    gap_end = np.min(np.hypot(*(ends - pieces[index][-1]).T))
-    gap_start = np.min(np.hypot(*(ends - pieces[index][0]).T))
-    return bool(gap_end <= gap_start)
 
 
 _MERGE_TOLERANCES = (0.0, 1e-8, 1e-7, 1e-6)
@@ -413,7 +404,21 @@ def stl_bodies(path: Path, unit: float) -> list[SolidBody]:
 
 def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
     trimesh = package_of_extra("trimesh", "cad", f"{path}: found an STL file")
-    _check_stl(path)
+    raw = path.read_bytes()
+    head = raw[:80].lstrip().lower()
+    if head.startswith(b"solid") and b"facet" in raw[:2000].lower():
+        if b"endsolid" not in raw[-200:].lower():
+            raise GeometryError(path, "a truncated ASCII STL", "one with endsolid")
+    else:
+        if len(raw) < 84:
+            raise GeometryError(path, f"{len(raw)} bytes", "a complete STL file")
+        facets = struct.unpack("<I", raw[80:84])[0]
+        if len(raw) < 84 + 50 * facets or facets == 0:
+            raise GeometryError(
+                path,
+                f"{len(raw)} bytes for {facets} facets (truncated STL)",
+                f"{84 + 50 * max(facets, 4)} bytes or more",
+            )
     try:
         with np.errstate(all="ignore"):  # numbers that are none are refused below
             loaded = trimesh.load_mesh(path, file_type="stl", process=False)
@@ -449,21 +454,3 @@ def _simple_section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Arra
         simple = shapely.simplify(shapely.LinearRing(curve), 1e-7 * size)
         found.append(np.asarray(shapely.get_coordinates(simple))[:-1])
     return found
-
-
-def _check_stl(path: Path) -> None:
-    raw = path.read_bytes()
-    head = raw[:80].lstrip().lower()
-    if head.startswith(b"solid") and b"facet" in raw[:2000].lower():
-        if b"endsolid" not in raw[-200:].lower():
-            raise GeometryError(path, "a truncated ASCII STL", "one with endsolid")
-        return
-    if len(raw) < 84:
-        raise GeometryError(path, f"{len(raw)} bytes", "a complete STL file")
-    facets = struct.unpack("<I", raw[80:84])[0]
-    if len(raw) < 84 + 50 * facets or facets == 0:
-        raise GeometryError(
-            path,
-            f"{len(raw)} bytes for {facets} facets (truncated STL)",
-            f"{84 + 50 * max(facets, 4)} bytes or more",
-        )

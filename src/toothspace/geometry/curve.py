@@ -48,7 +48,11 @@ def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tu
     breaks : tuple of int
         Index of the last point of every piece but the last.
     """
-    scale = sum(_length(segment) for segment in segments)
+    lengths = []
+    for segment in segments:
+        step = np.diff(segment.curve(_fine_parameters()), axis=0)
+        lengths.append(float(np.sum(np.hypot(step[:, 0], step[:, 1]))))
+    scale = sum(lengths)
     densities = [_density(segment, scale) for segment in segments]
     totals = np.array([cumulative[-1] for _, cumulative in densities])
     # whole shares of the points, two or more a segment, that sum to the count
@@ -75,11 +79,6 @@ def _fine_parameters() -> Array:
     near = np.geomspace(1e-8, 0.1, _FINE // 3)
     return np.concatenate([[0.0], near, np.linspace(0.1, 0.9, _FINE // 3)[1:-1], 1.0 - near[::-1],
                            [1.0]])  # fmt: skip
-
-
-def _length(segment: CurveSegment) -> float:
-    step = np.diff(segment.curve(_fine_parameters()), axis=0)
-    return float(np.sum(np.hypot(step[:, 0], step[:, 1])))
 
 
 def _density(segment: CurveSegment, scale: float) -> tuple[Array, Array]:

@@ -246,6 +246,15 @@ def _involute_numbers(found: FoundGear) -> dict[str, object]:
     fit, data = found.detected.involute, gear_data(found.detected.profile, found.helix_angle)
     if fit is None or data is None:
         return {}
+    of_pitch = {}
+    if len(fit.left_offset) >= found.detected.tooth_count:
+        profile = found.detected.profile
+        pitch = fit.pitch_deviation(0.5 * (fit.flank.form_radius + profile.tip_radius))
+        of_pitch = {
+            "single_pitch_deviation_um": 1e6 * pitch.single,
+            "cumulative_pitch_deviation_um": 1e6 * pitch.cumulative,
+            "run_out_um": 1e6 * pitch.run_out,
+        }
     across = {
         "normal_module_mm": 1e3 * data.normal_module,
         "normal_pressure_angle_deg": float(np.rad2deg(data.normal_pressure_angle)),
@@ -268,20 +277,7 @@ def _involute_numbers(found: FoundGear) -> dict[str, object]:
         "fit_residual_um": 1e6 * fit.flank.residual,
         **_deviation_numbers("left", fit.left),
         **_deviation_numbers("right", fit.right),
-        **_pitch_numbers(found),
-    }
-
-
-def _pitch_numbers(found: FoundGear) -> dict[str, object]:
-    fit = found.detected.involute
-    if fit is None or len(fit.left_offset) < found.detected.tooth_count:
-        return {}
-    profile = found.detected.profile
-    pitch = fit.pitch_deviation(0.5 * (fit.flank.form_radius + profile.tip_radius))
-    return {
-        "single_pitch_deviation_um": 1e6 * pitch.single,
-        "cumulative_pitch_deviation_um": 1e6 * pitch.cumulative,
-        "run_out_um": 1e6 * pitch.run_out,
+        **of_pitch,
     }
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -136,7 +135,15 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
     land, end, pitch = form.tip_half_angle, form.fillet_end, np.pi / gear.tooth_count
     segments = [CurveSegment(lambda u: polar(gear.tip_radius, land * u), (0.0, 0.7 * rounded))]
     if rounded:
-        segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
+        radius = gear.tip_rounding
+        center = polar(np.array([gear.tip_radius - radius]), np.array([form.tip_half_angle]))[0]
+        contact = involute_point(gear, form.tip_form_radius)[0] - center
+        begin, to = form.tip_half_angle, float(np.arctan2(contact[1], contact[0]))
+
+        def curve(u: Array) -> Array:
+            return center + polar(np.full(len(u), radius), begin + (to - begin) * u)
+
+        segments.append(CurveSegment(curve, (0.7, 1.0)))
     segments += [
         CurveSegment(flank.curve(form.tip_form_radius), (rounded, sharp)),
         CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (sharp, corner)),
@@ -218,11 +225,7 @@ def _fillet_junction(gear: InvoluteGear) -> tuple[float, float, bool]:
     roll_length = gear.reference_radius * np.sin(alpha) - depth / np.sin(alpha)
     if roll_length >= 0.0:
         return float(last), float(np.hypot(gear.base_radius, roll_length)), False
-    angle = _undercut_corner(gear, last)
-    return angle, float(_fillet_polar(gear, np.array([angle]))[0][0]), True
 
-
-def _undercut_corner(gear: InvoluteGear, last: float) -> float:
     def gap(corner_angle: float) -> float:
         radius, space = _fillet_polar(gear, np.array([corner_angle]))
         flank = np.pi / gear.tooth_count - gear.half_angle(np.maximum(radius, gear.base_radius))
@@ -232,9 +235,12 @@ def _undercut_corner(gear: InvoluteGear, last: float) -> float:
         return float(_fillet_polar(gear, np.array([corner_angle]))[0][0]) - gear.base_radius
 
     start = root_between(height, 0.0, last) if height(0.0) < 0.0 < height(last) else 0.0
-    if gap(start) <= 0.0 or gap(last) >= 0.0:
-        return float(start)
-    return root_between(gap, start, last, 1e-15)
+    angle = (
+        float(start)
+        if gap(start) <= 0.0 or gap(last) >= 0.0
+        else root_between(gap, start, last, 1e-15)
+    )
+    return angle, float(_fillet_polar(gear, np.array([angle]))[0][0]), True
 
 
 def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
@@ -264,15 +270,3 @@ def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
         )
     roll_length = np.sqrt(center_radius**2 - base**2) + rounding
     return float(np.hypot(base, roll_length)), tip_half_angle
-
-
-def _rounding_arc(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:
-    radius = gear.tip_rounding
-    center = polar(np.array([gear.tip_radius - radius]), np.array([form.tip_half_angle]))[0]
-    contact = involute_point(gear, form.tip_form_radius)[0] - center
-    start, end = form.tip_half_angle, float(np.arctan2(contact[1], contact[0]))
-
-    def curve(u: Array) -> Array:
-        return center + polar(np.full(len(u), radius), start + (end - start) * u)
-
-    return curve

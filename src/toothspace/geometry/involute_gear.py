@@ -256,26 +256,25 @@ class InvoluteGears(RackCutTeeth[Array]):
         if self.undercut.any():
             cut = np.flatnonzero(self.undercut)
             gears = self.chosen(cut)
-            ends = gears._undercut_end(last[cut])
+            latest = last[cut]
+
+            # from where the fillet crosses the base circle on, it may meet the involute
+            def height(tangent: Array) -> Array:
+                return gears.fillet(tangent)[0] / gears.base_radius - 1.0
+
+            def gap(tangent: Array) -> Array:
+                reach, space = gears.fillet(tangent)
+                flank = gears.half_angle(np.maximum(reach, gears.base_radius))
+                return np.asarray(space + flank - np.pi / gears.tooth_count)
+
+            zero = np.zeros_like(latest)
+            start = roots_between(height, zero, latest)
+            start = np.where((height(zero) < 0.0) & (height(latest) > 0.0), start, 0.0)
+            end = roots_between(gap, start, latest)
+            ends = np.where((gap(start) > 0.0) & (gap(latest) < 0.0), end, start)
             last, radius = last.copy(), radius.copy()
             last[cut], radius[cut] = ends, gears.fillet(ends)[0]
         return last, radius
-
-    def _undercut_end(self, last: Array) -> Array:
-        # from where the fillet crosses the base circle on, it may meet the involute
-        def height(tangent: Array) -> Array:
-            return self.fillet(tangent)[0] / self.base_radius - 1.0
-
-        def gap(tangent: Array) -> Array:
-            radius, space = self.fillet(tangent)
-            flank = self.half_angle(np.maximum(radius, self.base_radius))
-            return np.asarray(space + flank - np.pi / self.tooth_count)
-
-        zero = np.zeros_like(last)
-        start = roots_between(height, zero, last)
-        start = np.where((height(zero) < 0.0) & (height(last) > 0.0), start, 0.0)
-        end = roots_between(gap, start, last)
-        return np.where((gap(start) > 0.0) & (gap(last) < 0.0), end, start)
 
     @property
     def form_radius(self) -> Array:

@@ -123,11 +123,31 @@ def gear_profile_from_curve(
     rolled = np.roll(checked, -int(corners[0]) if len(corners) else 0, axis=0)
     outline = _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
     center = centroid(outline)
-    teeth_found = _tooth_count(outline - center, key)
+    about = outline - center
+    _, area = area_elements(about)
+    if abs(area.sum() - abs(signed_area(about))) > 0.05 * abs(signed_area(about)):
+        raise GeometryError(key, "an outline that does not run round its centre", "a whole gear")
+    teeth_found = repeating_teeth(about)
+    if teeth_found is None:
+        raise GeometryError(
+            key,
+            "no repeating teeth",
+            f"an outline of {MIN_TOOTH_COUNT} to {MAX_TOOTH_COUNT} equal teeth",
+        )
     for _ in range(_CENTER_STEPS):
         phase = area_phase(outline - center, teeth_found)
         teeth = _teeth_in_sections(outline - center, teeth_found, phase, key)
-        shift = _center_shift(teeth, phase)
+        # a shift d moves every point by its normal part n.d: least squares over all teeth
+        middle = np.median(teeth, axis=0)
+        normals, length = _normals(middle)
+        apart = np.sum((teeth - middle) * normals, axis=2)
+        pitch = 2.0 * np.pi / len(teeth)
+        directions = np.vstack([turned(normals, phase + k * pitch) for k in range(len(teeth))])
+        limit = 3.0 * np.median(np.abs(apart)) + 1e-12
+        weight = np.minimum(1.0, limit / np.maximum(np.abs(apart.ravel()), 1e-15))
+        weight *= np.tile(length, len(teeth))
+        matrix = directions.T @ (directions * weight[:, None])
+        shift = np.linalg.solve(matrix, directions.T @ (weight * apart.ravel()))
         center = center + shift
         if np.hypot(*shift) < _CENTER_TOLERANCE:
             break
@@ -279,20 +299,6 @@ def _dense(points: Array) -> Array:
     return chosen
 
 
-def _tooth_count(points: Array, key: str) -> int:
-    _, area = area_elements(points)
-    if abs(area.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
-        raise GeometryError(key, "an outline that does not run round its centre", "a whole gear")
-    tooth_count = repeating_teeth(points)
-    if tooth_count is None:
-        raise GeometryError(
-            key,
-            "no repeating teeth",
-            f"an outline of {MIN_TOOTH_COUNT} to {MAX_TOOTH_COUNT} equal teeth",
-        )
-    return tooth_count
-
-
 def _chord_height(points: Array) -> float:
     # largest on the flanks
     radius = np.hypot(*(0.5 * (points + np.roll(points, -1, axis=0))).T)
@@ -383,20 +389,6 @@ def _normals(curve: Array) -> tuple[Array, Array]:
     length = np.hypot(tangent[:, 0], tangent[:, 1])
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
     return normal / np.maximum(length, 1e-15)[:, None], length
-
-
-def _center_shift(teeth: Array, phase: float) -> Array:
-    # a shift d moves every point by its normal part n.d: least squares over all teeth
-    median = np.median(teeth, axis=0)
-    normal, length = _normals(median)
-    gap = np.sum((teeth - median) * normal, axis=2)
-    pitch = 2.0 * np.pi / len(teeth)
-    directions = np.vstack([turned(normal, phase + k * pitch) for k in range(len(teeth))])
-    limit = 3.0 * np.median(np.abs(gap)) + 1e-12
-    weight = np.minimum(1.0, limit / np.maximum(np.abs(gap.ravel()), 1e-15))
-    weight *= np.tile(length, len(teeth))
-    matrix = directions.T @ (directions * weight[:, None])
-    return np.linalg.solve(matrix, directions.T @ (weight * gap.ravel()))
 
 
 def _flank_symmetry(tooth: Array) -> float:
@@ -509,46 +501,38 @@ def _half_tooth(
     corner = float(flank.half_angle(tip_radius))
     rounding = []
     if not sharp:
-        path = _rounding_path(radius, angle, flank, tip_radius)
+        # from the tip corner inwards to the end of the involute
+        tip_end = flank.tip_form_radius
+        last = int(np.flatnonzero(radius <= tip_end)[-1]) + 1
+        half = float(flank.half_angle(tip_end))
+        shift = half - float(
+            np.interp(tip_end, radius[last - 1 : last + 1], angle[last - 1 : last + 1])
+        )
+        outer = polar(radius[last:], angle[last:] + shift)
+        path = np.vstack([outer[::-1], polar(np.array([tip_end]), np.array([half]))])
+        path[0] *= tip_radius / np.hypot(*path[0])
         corner = float(np.arctan2(path[0, 1], path[0, 0]))
         rounding = [CurveSegment(_along(path), (0.7, 1.0))]
     level = 0.0 if sharp else 1.0
+    # from the begin of the involute inwards to the middle of the tooth space
+    begin = flank.form_radius
+    # an involute may begin on the root circle itself
+    first = max(int(np.argmax(radius > begin + _TOUCH * begin)), 1)
+    root_half = float(flank.half_angle(begin))
+    near = slice(first - 1, first + 1)
+    root_shift = root_half - float(np.interp(begin, radius[near], angle[near]))
+    share = (radius[:first] - radius[0]) / max(begin - radius[0], _TOUCH * begin)
+    inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * root_shift)
+    inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
+    inwards = np.vstack([polar(np.array([begin]), np.array([root_half])), inner[::-1]])
+    if len(inwards) > _ROOT_POINTS:
+        inwards = even_points(inwards, _ROOT_POINTS)
     return [
         CurveSegment(lambda u: polar(tip_radius, corner * u), (0.0, 0.7 * level)),
         *rounding,
         CurveSegment(flank.curve(end), (level, 1.0)),
-        CurveSegment(_along(_root_path(radius, angle, flank, tooth_count, root_radius)),
-                     (1.0, 0.0)),
+        CurveSegment(_along(inwards), (1.0, 0.0)),
     ]  # fmt: skip
-
-
-def _rounding_path(radius: Array, angle: Array, flank: InvoluteFlank, tip_radius: float) -> Array:
-    # from the tip corner inwards to the end of the involute
-    end = flank.tip_form_radius
-    last = int(np.flatnonzero(radius <= end)[-1]) + 1
-    half = float(flank.half_angle(end))
-    shift = half - float(np.interp(end, radius[last - 1 : last + 1], angle[last - 1 : last + 1]))
-    outer = polar(radius[last:], angle[last:] + shift)
-    path = np.vstack([outer[::-1], polar(np.array([end]), np.array([half]))])
-    path[0] *= tip_radius / np.hypot(*path[0])
-    return path
-
-
-def _root_path(
-    radius: Array, angle: Array, flank: InvoluteFlank, tooth_count: int, root_radius: float
-) -> Array:
-    # from the begin of the involute inwards to the middle of the tooth space
-    end = flank.form_radius
-    # an involute may begin on the root circle itself
-    first = max(int(np.argmax(radius > end + _TOUCH * end)), 1)
-    half = float(flank.half_angle(end))
-    near = slice(first - 1, first + 1)
-    shift = half - float(np.interp(end, radius[near], angle[near]))
-    share = (radius[:first] - radius[0]) / max(end - radius[0], _TOUCH * end)
-    inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
-    inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
-    path = np.vstack([polar(np.array([end]), np.array([half])), inner[::-1]])
-    return path if len(path) <= _ROOT_POINTS else even_points(path, _ROOT_POINTS)
 
 
 def _along(path: Array) -> Callable[[Array], Array]:

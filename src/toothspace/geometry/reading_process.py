@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,25 +26,23 @@ def main() -> int:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     order = json.loads(sys.stdin.read())
     try:
-        found = _found(Path(order["file"]), order)
+        path = Path(order["file"])
+        if "request" not in order:
+            curves = plane_curves(path, order["unit"], order["layer"])
+            found: dict[str, Any] = {f"curve_{k}": curve for k, curve in enumerate(curves)}
+        else:
+            if path.suffix.lower() in STEP_SUFFIXES:
+                from toothspace.geometry.step_import import step_bodies
+
+                bodies = step_bodies(path)
+            else:
+                bodies = stl_bodies(path, order["unit"])
+            found = packed(cut_bodies(str(path), bodies, SectionRequest(**order["request"])))
     except GeometryError as error:
         sys.stdout.write(f"\n{error}\n")
         return REFUSED
     np.savez(order["target"], **found)
     return 0
-
-
-def _found(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
-    if "request" not in order:
-        curves = plane_curves(path, order["unit"], order["layer"])
-        return {f"curve_{k}": curve for k, curve in enumerate(curves)}
-    if path.suffix.lower() in STEP_SUFFIXES:
-        from toothspace.geometry.step_import import step_bodies
-
-        bodies = step_bodies(path)
-    else:
-        bodies = stl_bodies(path, order["unit"])
-    return packed(cut_bodies(str(path), bodies, SectionRequest(**order["request"])))
 
 
 if __name__ == "__main__":

@@ -38,15 +38,6 @@ def step_bodies(path: Path) -> list[SolidBody]:
         STEP file; its own length unit is used.
     """
     silence_ocp()
-    solids = _named_solids(path)
-    if not solids:
-        raise GeometryError(path, "no body", "at least one closed body")
-    return [
-        SolidBody(name, _mesh(solid), partial(_section, str(path), solid)) for name, solid in solids
-    ]
-
-
-def _named_solids(path: Path) -> list[tuple[str, Any]]:
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.STEPCAFControl import STEPCAFControl_Reader
     from OCP.TCollection import TCollection_ExtendedString
@@ -59,17 +50,55 @@ def _named_solids(path: Path) -> list[tuple[str, Any]]:
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.Transfer(document):
         raise GeometryError(path, "a damaged STEP file", "a complete one")
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    labels, found = _label_sequence(), list[tuple[str, Any]]()
+    labels, solids = _label_sequence(), list[tuple[str, Any]]()
     shapes.GetFreeShapes(labels)
     for k in range(labels.Length()):
-        _collect(shapes, labels.Value(k + 1), None, "", found)
-    return found
+        _collect(shapes, labels.Value(k + 1), None, "", solids)
+    if not solids:
+        raise GeometryError(path, "no body", "at least one closed body")
+    meshes = []
+    for name, solid in solids:
+        from OCP.BRep import BRep_Tool
+        from OCP.BRepMesh import BRepMesh_IncrementalMesh
+        from OCP.TopLoc import TopLoc_Location
+
+        BRepMesh_IncrementalMesh(solid, _MESH_DEFLECTION, False, _MESH_ANGLE)
+        triangles = []
+        for face in _parts(solid, "Face"):
+            place = TopLoc_Location()
+            mesh = BRep_Tool.Triangulation_s(face, place)
+            if mesh is None:
+                continue
+            move = place.Transformation()
+            nodes = [mesh.Node(k + 1).Transformed(move) for k in range(mesh.NbNodes())]
+            corners = np.array([[p.X(), p.Y(), p.Z()] for p in nodes])
+            numbers = [mesh.Triangle(k + 1).Get() for k in range(mesh.NbTriangles())]
+            triangles.append(corners[np.array([tuple(row)[-3:] for row in numbers]) - 1])
+        meshes.append(
+            SolidBody(
+                name,
+                (
+                    SurfaceMesh(np.zeros((1, 3)), np.zeros((0, 3), dtype=np.int64))
+                    if not triangles
+                    else merged(np.concatenate(triangles) * _UNIT, _JOIN)
+                ),
+                partial(_section, str(path), solid),
+            )
+        )
+    return meshes
 
 
 def _collect(shapes: Any, label: Any, place: Any, name: str, found: list[tuple[str, Any]]) -> None:
+    from OCP.TDataStd import TDataStd_Name
     from OCP.TDF import TDF_Label
 
-    own = _name(label) or name
+    attribute = TDataStd_Name()
+    if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
+        named = ""
+    else:
+        written = str(attribute.Get().ToExtString())
+        named = "" if written in _NO_NAMES else written
+    own = named or name
     if shapes.IsReference_s(label):
         target = TDF_Label()
         shapes.GetReferredShape_s(label, target)
@@ -99,38 +128,6 @@ def _label_sequence() -> Any:
     return Sequence_TDF_Label()
 
 
-def _name(label: Any) -> str:
-    from OCP.TDataStd import TDataStd_Name
-
-    attribute = TDataStd_Name()
-    if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
-        return ""
-    name = str(attribute.Get().ToExtString())
-    return "" if name in _NO_NAMES else name
-
-
-def _mesh(solid: Any) -> SurfaceMesh:
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.TopLoc import TopLoc_Location
-
-    BRepMesh_IncrementalMesh(solid, _MESH_DEFLECTION, False, _MESH_ANGLE)
-    triangles = []
-    for face in _parts(solid, "Face"):
-        place = TopLoc_Location()
-        mesh = BRep_Tool.Triangulation_s(face, place)
-        if mesh is None:
-            continue
-        move = place.Transformation()
-        nodes = [mesh.Node(k + 1).Transformed(move) for k in range(mesh.NbNodes())]
-        corners = np.array([[p.X(), p.Y(), p.Z()] for p in nodes])
-        numbers = [mesh.Triangle(k + 1).Get() for k in range(mesh.NbTriangles())]
-        triangles.append(corners[np.array([tuple(row)[-3:] for row in numbers]) - 1])
-    if not triangles:
-        return SurfaceMesh(np.zeros((1, 3)), np.zeros((0, 3), dtype=np.int64))
-    return merged(np.concatenate(triangles) * _UNIT, _JOIN)
-
-
 def _section(file: str, solid: Any, frame: Array, height: float) -> list[Array]:
     pieces, others = [], []
     for face in _parts(solid, "Face"):
@@ -140,28 +137,33 @@ def _section(file: str, solid: Any, frame: Array, height: float) -> list[Array]:
         else:
             pieces += found
     if others:
-        pieces += _edges(_common(others, frame[2], height))
+        axis = frame[2]
+        # curves in which faces of any kind meet a plane
+        from OCP.BRep import BRep_Builder
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
+        from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
+        from OCP.TopoDS import TopoDS_Compound
+
+        compound, builder = TopoDS_Compound(), BRep_Builder()
+        builder.MakeCompound(compound)
+        for other in others:
+            builder.Add(compound, other)
+        plane = gp_Pln(gp_Pnt(*map(float, axis * height / _UNIT)), gp_Dir(*map(float, axis)))
+        pieces += _edges(BRepAlgoAPI_Section(compound, plane).Shape())
     return chain_closed([piece @ frame[:2].T * _UNIT for piece in pieces], _JOIN, file)
-
-
-def _common(faces: list[Any], axis: Array, height: float) -> Any:
-    # curves in which faces of any kind meet a plane
-    from OCP.BRep import BRep_Builder
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
-    from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
-    from OCP.TopoDS import TopoDS_Compound
-
-    compound, builder = TopoDS_Compound(), BRep_Builder()
-    builder.MakeCompound(compound)
-    for face in faces:
-        builder.Add(compound, face)
-    plane = gp_Pln(gp_Pnt(*map(float, axis * height / _UNIT)), gp_Dir(*map(float, axis)))
-    return BRepAlgoAPI_Section(compound, plane).Shape()
 
 
 def _section_of_wall(face: Any, axis: Array, height: float) -> list[Array] | None:
     # a wall along the axis between two flat edges has their outline at every height
-    if not _beside(face, axis, height):
+    # whether the box round a face holds the height
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    box = Bnd_Box()
+    BRepBndLib.Add_s(face, box)
+    low, high = (np.array([p.X(), p.Y(), p.Z()]) for p in (box.CornerMin(), box.CornerMax()))
+    middle, half = 0.5 * (low + high) @ axis, 0.5 * (high - low) @ np.abs(axis)
+    if not bool(abs(height / _UNIT - middle) <= half):
         return []
     if not _along_axis(face, axis):
         return None
@@ -177,18 +179,6 @@ def _section_of_wall(face: Any, axis: Array, height: float) -> list[Array] | Non
     if not bottom < height < top:
         return []
     return [edge for edge in level if edge[0] @ axis * _UNIT < height]
-
-
-def _beside(face: Any, axis: Array, height: float) -> bool:
-    # whether the box round a face holds the height
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
-    box = Bnd_Box()
-    BRepBndLib.Add_s(face, box)
-    low, high = (np.array([p.X(), p.Y(), p.Z()]) for p in (box.CornerMin(), box.CornerMax()))
-    middle, half = 0.5 * (low + high) @ axis, 0.5 * (high - low) @ np.abs(axis)
-    return bool(abs(height / _UNIT - middle) <= half)
 
 
 def _along_axis(face: Any, axis: Array) -> bool:

@@ -77,25 +77,23 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     with reading(path, "a tester's file"):
         if path.suffix.lower() == ".mka":
             return _from_curve_file(path, flank, tooth_count, nodes)
-        return _from_table(path, tooth_count, nodes)
-
-
-def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
-    columns = {"tooth": "1", "roll_length": "mm", "left": "um", "right": "um"}
-    with_tip = "tip" in column_names(path)
-    data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
-    present = np.unique(data["tooth"])
-    if not np.array_equal(present, np.arange(1, tooth_count + 1)):
-        some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
-        raise GeometryError(path, f"teeth {some}", f"each of 1 to {tooth_count}")
-    rows = [np.flatnonzero(data["tooth"] == number) for number in present]
-    ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
-    left, right = (
-        np.array([np.interp(nodes, data["roll_length"][row], data[side][row]) for row in ordered])
-        for side in ("left", "right")
-    )
-    tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
-    return ToothDeviations(nodes, left, right, np.array(tips))
+        columns = {"tooth": "1", "roll_length": "mm", "left": "um", "right": "um"}
+        with_tip = "tip" in column_names(path)
+        data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
+        present = np.unique(data["tooth"])
+        if not np.array_equal(present, np.arange(1, tooth_count + 1)):
+            some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
+            raise GeometryError(path, f"teeth {some}", f"each of 1 to {tooth_count}")
+        rows = [np.flatnonzero(data["tooth"] == number) for number in present]
+        ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
+        left, right = (
+            np.array(
+                [np.interp(nodes, data["roll_length"][row], data[side][row]) for row in ordered]
+            )
+            for side in ("left", "right")
+        )
+        tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
+        return ToothDeviations(nodes, left, right, np.array(tips))
 
 
 def _from_curve_file(
@@ -110,7 +108,26 @@ def _from_curve_file(
     high = _header(lines, r"Ende\b.*Messbereich", path)[0] * _MM
     start, end = sorted(flank.roll_length(0.5 * diameter) for diameter in (low, high))
     undefined = _header(lines, r"^UNDEFINED", path, missing=-2147483.648)[0]
-    curves = _profile_curves(lines, undefined)
+    curves: dict[tuple[int, str], Array] = {}
+    block, at = "", 0
+    while at < len(lines):
+        line = lines[at].strip()
+        at += 1
+        name, head = _TITLE.match(line), _CURVE.match(line)
+        if name:
+            block = name.group(1)
+        if head is None or not (line.startswith("Profil:") or block == "Profil"):
+            continue
+        values: list[float] = []
+        while at < len(lines) and len(values) < int(head.group(3)):
+            values += [float(token) for token in lines[at].split()]
+            at += 1
+        curve = np.array(values)
+        known = curve > undefined + 1.0
+        if known.any():
+            places = np.arange(len(curve))
+            key = int(head.group(1)), _SIDES[head.group(2)[0].lower()]
+            curves[key] = np.interp(places, places[known], curve[known])
     pitches: dict[str, dict[int, float]] = {}
     side = ""
     for line in lines:
@@ -158,27 +175,3 @@ def _header(
     if missing is not None:
         return [missing]
     raise GeometryError(path, f"no line {label!r} with a number", "a curve file")
-
-
-def _profile_curves(lines: Sequence[str], undefined: float) -> dict[tuple[int, str], Array]:
-    curves: dict[tuple[int, str], Array] = {}
-    block, at = "", 0
-    while at < len(lines):
-        line = lines[at].strip()
-        at += 1
-        title, head = _TITLE.match(line), _CURVE.match(line)
-        if title:
-            block = title.group(1)
-        if head is None or not (line.startswith("Profil:") or block == "Profil"):
-            continue
-        values: list[float] = []
-        while at < len(lines) and len(values) < int(head.group(3)):
-            values += [float(token) for token in lines[at].split()]
-            at += 1
-        curve = np.array(values)
-        known = curve > undefined + 1.0
-        if known.any():
-            places = np.arange(len(curve))
-            key = int(head.group(1)), _SIDES[head.group(2)[0].lower()]
-            curves[key] = np.interp(places, places[known], curve[known])
-    return curves

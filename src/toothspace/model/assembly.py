@@ -198,11 +198,38 @@ def assemble(
     bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush, blocks)
     counts = {"motions": motion_map.shape[1], "journals": len(journals.rows), **contacts.counts}
-    dynamic = _dynamic_index(description, condition)
+    chambers = description.chamber_count
+    node_place = node_places(description, condition)
+    dynamic = np.full(chambers + len(node_place), -1, dtype=np.int64)
+    dynamic[:chambers] = np.arange(chambers)
+    nodes = condition.circuit.nodes if condition.circuit else ()
+    filled = [node.name for node in nodes if node.volume > 0.0]
+    if condition.load_area > 0.0:
+        filled.append(condition.load_node)
+    for k, place in enumerate(sorted({node_place[name] for name in filled})):
+        dynamic[place] = chambers + k
     sizes = _sizes(description, condition, paths, dynamic, counts)
     tables_over_time = Tables()
     elements = (condition.circuit or CircuitNetwork()).rows(places, LAWS, tables_over_time)
     drive = _drive(description, condition, free, tables_over_time)
+    mesh = rigid_mesh(description, condition)
+    if mesh is None:
+        surface = ContactSurface(1.0, 1.0, 0.0, 0.05, 1.0, 1.0)
+    else:
+        contact = next(c for c in description.contacts if c.name == mesh.contact)
+        surface = ContactSurface(
+            contact.effective_modulus,
+            contact.roughness,
+            contact.boundary_friction,
+            contact.limiting_shear,
+            contact.width,
+            mesh.lever,
+        )
+    held = int(np.count_nonzero(dynamic < 0))
+    # rows of the state in which mass and gas of each node stand
+    balance = np.column_stack([sizes.mass + dynamic, sizes.gas + dynamic])
+    first = sizes.total - 2 * held
+    balance[dynamic < 0] = np.arange(first, sizes.total).reshape(2, held).T
     arrays = SystemArrays(
         size=sizes,
         constant=Constants(
@@ -214,7 +241,7 @@ def assemble(
             asperity_range=journals.asperity_range,
         ),
         fluid=fluid,
-        surface=_surface(description, condition),
+        surface=surface,
         film=journals.film,
         bank=bank,
         chambers=make_members(bank, families, 0, [OPEN] * len(families)),
@@ -229,7 +256,7 @@ def assemble(
             packed=True,
         ),
         dynamic_index=dynamic,
-        balance=_balance(dynamic, sizes),
+        balance=balance,
         **path_arrays(description, paths, categories),
         journal=journals.rows,
         asperity=journals.asperity,
@@ -245,8 +272,17 @@ def assemble(
     )
     pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
-    moving, basis = tuple(free), _basis(arrays)
-    return System(description, condition, arrays, pattern, basis, moving, motion_map, categories)
+    size = arrays.size
+    # where states depend on the unknowns: masses on gas and on motions that change a volume
+    basis = np.eye(size.core, dtype=bool)
+    for d in range(size.dynamic):
+        basis[size.mass + d, size.gas + d] = True
+    for i in range(size.chambers):
+        moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
+        basis[size.mass + arrays.dynamic_index[i], moved] = True
+    return System(
+        description, condition, arrays, pattern, basis, tuple(free), motion_map, categories
+    )
 
 
 def _sizes(
@@ -285,15 +321,6 @@ def _sizes(
     )
 
 
-def _balance(dynamic: IntArray, sizes: Sizes) -> IntArray:
-    """Rows of the state in which mass and gas of each node stand. Shape (nodes, 2)."""
-    held = int(np.count_nonzero(dynamic < 0))
-    rows = np.column_stack([sizes.mass + dynamic, sizes.gas + dynamic])
-    first = sizes.total - 2 * held
-    rows[dynamic < 0] = np.arange(first, sizes.total).reshape(2, held).T
-    return rows
-
-
 def _chamber_tables(
     description: MachineDescription,
     family: ChamberFamily,
@@ -312,35 +339,6 @@ def _chamber_tables(
         return tables
     load = load_table(description, family, loads)
     return [stack_tables(table, load) for table in tables]
-
-
-def _surface(description: MachineDescription, condition: OperatingCondition) -> ContactSurface:
-    mesh = rigid_mesh(description, condition)
-    if mesh is None:
-        return ContactSurface(1.0, 1.0, 0.0, 0.05, 1.0, 1.0)
-    contact = next(c for c in description.contacts if c.name == mesh.contact)
-    return ContactSurface(
-        contact.effective_modulus,
-        contact.roughness,
-        contact.boundary_friction,
-        contact.limiting_shear,
-        contact.width,
-        mesh.lever,
-    )
-
-
-def _dynamic_index(description: MachineDescription, condition: OperatingCondition) -> IntArray:
-    chambers = description.chamber_count
-    places = node_places(description, condition)
-    dynamic = np.full(chambers + len(places), -1, dtype=np.int64)
-    dynamic[:chambers] = np.arange(chambers)
-    nodes = condition.circuit.nodes if condition.circuit else ()
-    filled = [node.name for node in nodes if node.volume > 0.0]
-    if condition.load_area > 0.0:
-        filled.append(condition.load_node)
-    for k, place in enumerate(sorted({places[name] for name in filled})):
-        dynamic[place] = chambers + k
-    return dynamic
 
 
 def node_places(description: MachineDescription, condition: OperatingCondition) -> dict[str, int]:
@@ -477,18 +475,6 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, col.PORT_AREA])]
     pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
     return pattern
-
-
-def _basis(arrays: SystemArrays) -> BoolArray:
-    """Where states depend on the unknowns: masses on gas and on motions that change a volume."""
-    size = arrays.size
-    basis = np.eye(size.core, dtype=bool)
-    for d in range(size.dynamic):
-        basis[size.mass + d, size.gas + d] = True
-    for i in range(size.chambers):
-        moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
-        basis[size.mass + arrays.dynamic_index[i], moved] = True
-    return basis
 
 
 def _moved(arrays: SystemArrays, table: int, first: int) -> list[int]:

@@ -84,11 +84,27 @@ def contact_parts(
         tables = [contact.geometry for contact in each]
     count = sum(contact.count for contact in contacts)
     turns = [relative_rotation(contact, description.motions) @ motion_map for contact in contacts]
-    rows = [
-        row
-        for contact, turn in zip(contacts, turns, strict=True)
-        for row in [np.append(_constants(contact), turn)] * contact.count
-    ]
+    rows = []
+    for contact, turn in zip(contacts, turns, strict=True):
+        constants, speed = np.zeros(col.CONTACT_COLUMNS), contact.approach_speed
+        constants[col.PAIR_MODULUS], constants[col.PAIR_ROUGHNESS] = (
+            contact.effective_modulus,
+            contact.roughness,
+        )
+        constants[col.PAIR_BOUNDARY], constants[col.PAIR_LIMIT] = (
+            contact.boundary_friction,
+            contact.limiting_shear,
+        )
+        constants[col.PAIR_WIDTH] = contact.width
+        constants[col.PAIR_ONSET] = contact.roughness if contact.onset is None else contact.onset
+        constants[col.PAIR_POWER_LAW] = contact.law in ("pereira", "linear")
+        constants[col.PAIR_ACCOUNT] = FRICTION_MECHANISMS.index(contact.friction_account)
+        constants[col.PAIR_SQUEEZE] = contact.squeeze_film
+        if speed is None:
+            constants[col.PAIR_LOSS] = impact_damping(contact.restitution, 1.0)
+        else:
+            constants[col.PAIR_DAMPING] = impact_damping(contact.restitution, speed)
+        rows += [np.append(constants, turn)] * contact.count
     return ContactParts(
         tables=tables,
         pairs=contacts,
@@ -96,23 +112,6 @@ def contact_parts(
         data=np.array(rows, dtype=float).reshape(count, col.CONTACT_COLUMNS + motion_map.shape[1]),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
-
-
-def _constants(contact: ContactPair) -> Array:
-    """Row of a contact in which nothing acts yet."""
-    row, speed = np.zeros(col.CONTACT_COLUMNS), contact.approach_speed
-    row[col.PAIR_MODULUS], row[col.PAIR_ROUGHNESS] = contact.effective_modulus, contact.roughness
-    row[col.PAIR_BOUNDARY], row[col.PAIR_LIMIT] = contact.boundary_friction, contact.limiting_shear
-    row[col.PAIR_WIDTH] = contact.width
-    row[col.PAIR_ONSET] = contact.roughness if contact.onset is None else contact.onset
-    row[col.PAIR_POWER_LAW] = contact.law in ("pereira", "linear")
-    row[col.PAIR_ACCOUNT] = FRICTION_MECHANISMS.index(contact.friction_account)
-    row[col.PAIR_SQUEEZE] = contact.squeeze_film
-    if speed is None:
-        row[col.PAIR_LOSS] = impact_damping(contact.restitution, 1.0)
-    else:
-        row[col.PAIR_DAMPING] = impact_damping(contact.restitution, speed)
-    return row
 
 
 def relative_rotation(contact: ContactPair, motions: Sequence[Motion]) -> Array:
@@ -185,38 +184,23 @@ def _law_columns(contact: ContactPair) -> Array:
         facing = geometry[:, 0] < contact.facing_gap
         level = np.log(np.maximum(hertz_scale(first, second, contact.depth), least))
         depths = _DEPTHS * contact.width
-        columns[:, 1:] = _pereira_columns(first, second, facing, contact_modulus, level, depths)
+        # outside the range of Pereira's law, as near an inflection, the power law follows Hertz
+        level_and_power = np.zeros((first.size, 2))
+        level_and_power[:, 1] = 1.0
+        for i in np.flatnonzero(facing):
+            difference = abs(first[i] + second[i])
+            internal = bool(first[i] * second[i] < 0.0)
+            if in_pereira_range(difference, internal):
+                force = pereira_force(depths, difference, 1.0, contact_modulus, internal)
+            else:
+                force = [logarithmic_law(d, level[i], contact_modulus)[0] for d in depths]
+            level_and_power[i, 1] = np.log(force[0] / force[1]) / np.log(depths[0] / depths[1])
+            level_and_power[i, 0] = np.log(force[0]) - level_and_power[i, 1] * np.log(depths[0])
+        columns[:, 1:] = level_and_power
     else:
         scale = johnson_scale(first, second)
         if contact.law == "hertz_line":
             scale = hertz_scale(first, second, contact.depth)
         stiffness = contact.structure_stiffness / contact.width
         columns[:, 1] = series_level(np.maximum(scale, least), contact_modulus, stiffness)
-    return columns
-
-
-def _pereira_columns(
-    first: Array,
-    second: Array,
-    facing: BoolArray,
-    contact_modulus: float,
-    hertz_level: Array,
-    depths: Array,
-) -> Array:
-    """Level and exponent of Pereira's law, where the surfaces face each other.
-
-    Where the radii lie outside its range, as near the inflection of a flank, the power law
-    follows Hertz at the two depths.
-    """
-    columns = np.zeros((first.size, 2))
-    columns[:, 1] = 1.0
-    for i in np.flatnonzero(facing):
-        difference = abs(first[i] + second[i])
-        internal = bool(first[i] * second[i] < 0.0)
-        if in_pereira_range(difference, internal):
-            force = pereira_force(depths, difference, 1.0, contact_modulus, internal)
-        else:
-            force = [logarithmic_law(d, hertz_level[i], contact_modulus)[0] for d in depths]
-        columns[i, 1] = np.log(force[0] / force[1]) / np.log(depths[0] / depths[1])
-        columns[i, 0] = np.log(force[0]) - columns[i, 1] * np.log(depths[0])
     return columns

@@ -131,19 +131,6 @@ def _fits(unit: str, wanted: str) -> bool:
         return False
 
 
-def _number(path: Path | Columns, name: str, row: int, text: str, unit: str) -> float:
-    place = f"column {name}, row {row}"
-    try:
-        value = to_si(float(text), unit)
-    except ValueError:
-        _fail(path, place, repr(text.strip()), "a number with a decimal point")
-    if not np.isfinite(value):
-        _fail(path, place, text.strip(), "a finite number")
-    if value < 0.0 or (value == 0.0 and name in _POSITIVE):
-        _fail(path, place, text.strip(), "a positive number")
-    return value
-
-
 def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
     """Columns of a table in SI units, and the row number of every entry."""
     try:
@@ -164,7 +151,17 @@ def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
         if len(line) != len(lines[0][1]):
             _fail(path, f"row {row}", f"{len(line)} entries", f"{len(lines[0][1])} entries")
         for name, (position, unit) in columns.items():
-            data[name].append(_number(path, name, row, line[position], unit))
+            cell = line[position]
+            place = f"column {name}, row {row}"
+            try:
+                value = to_si(float(cell), unit)
+            except ValueError:
+                _fail(path, place, repr(cell.strip()), "a number with a decimal point")
+            if not np.isfinite(value):
+                _fail(path, place, cell.strip(), "a finite number")
+            if value < 0.0 or (value == 0.0 and name in _POSITIVE):
+                _fail(path, place, cell.strip(), "a positive number")
+            data[name].append(value)
     return {name: np.array(values) for name, values in data.items()}, [k for k, _ in lines[1:]]
 
 
@@ -325,26 +322,6 @@ class GasModel:
         return allowed[self.law]
 
 
-def _viscosity_pair(
-    table: Mapping[str, Any], temperature: float, state: Any
-) -> tuple[float, float]:
-    """Dynamic viscosity at zero pressure and its Barus coefficient."""
-    density, a, b = state
-    shift = table["walther_shift_cSt"]
-    if "points_cSt" in table:
-        kelvin = tuple(t + ZERO_CELSIUS for t in table["points_degC"])
-        viscosities = tuple(1e-6 * nu for nu in table["points_cSt"])
-        constants = walther_constants(kelvin, viscosities, shift)
-    else:
-        constants = (table["walther_intercept"], table["walther_slope"])
-    kinematic = float(walther_viscosity(temperature, *constants, shift))
-    # The density's share is the mean over 0 to 200 bar, where pumps work.
-    p = 2e7
-    alpha = table["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
-    at_zero = kinematic * density * np.exp(-alpha * table["reference_pressure"])
-    return float(at_zero), float(alpha)
-
-
 def _linear(table: Mapping[str, Any], temperature: float) -> float:
     return float(table["at_20_degC"] + table["per_kelvin"] * (temperature - 20.0 - ZERO_CELSIUS))
 
@@ -371,8 +348,22 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     modulus = _linear(table["bulk_modulus"], temperature)
     slope = table["bulk_modulus"]["per_pressure"]
     a = 1.0 / modulus
-    state = (density, a, 0.5 * a * (slope - 1.0))
-    viscosity, barus = _viscosity_pair(table["viscosity"], temperature, state)
+    b = 0.5 * a * (slope - 1.0)
+    curve = table["viscosity"]
+    shift = curve["walther_shift_cSt"]
+    if "points_cSt" in curve:
+        kelvin = tuple(t + ZERO_CELSIUS for t in curve["points_degC"])
+        viscosities = tuple(1e-6 * nu for nu in curve["points_cSt"])
+        constants = walther_constants(kelvin, viscosities, shift)
+    else:
+        constants = (curve["walther_intercept"], curve["walther_slope"])
+    kinematic = float(walther_viscosity(temperature, *constants, shift))
+    # viscosity at zero pressure and its Barus coefficient
+    # the density's share is the mean over 0 to 200 bar, where pumps work
+    p = 2e7
+    alpha = curve["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
+    at_zero = kinematic * density * np.exp(-alpha * curve["reference_pressure"])
+    viscosity, barus = float(at_zero), float(alpha)
     vapour = table["vapour"]
     known = vapour["pressure"], vapour["at_degC"] + ZERO_CELSIUS
     boiling = clausius_clapeyron_pressure(temperature, *known, vapour["evaporation_temperature"])
@@ -437,7 +428,19 @@ def fluid_law(
         Air in it.
     """
     liquid = liquid_at(source, temperature)
-    fall = _viscosity_fall(source, temperature, liquid.dynamic_viscosity)
+    # one-sided at the end of the fluid's range
+    low, high = temperature_range(source)
+    step = 1.0 if temperature + 1.0 <= high else -1.0
+    fall = (
+        0.0
+        if temperature + step < low
+        else float(
+            np.log(
+                liquid.dynamic_viscosity / liquid_at(source, temperature + step).dynamic_viscosity
+            )
+            / step
+        )
+    )
     law = mixed_law(liquid, temperature, gas or GasModel())
     return law._replace(viscosity_temperature=fall)
 
@@ -455,15 +458,6 @@ def _table(source: str | Path | Columns) -> Path | Columns | None:
     if isinstance(source, str):
         return Path(source) if source.endswith(".csv") else None
     return source
-
-
-def _viscosity_fall(source: str | Path | Columns, temperature: float, viscosity: float) -> float:
-    """Relative fall of the viscosity per kelvin; one-sided at the end of the fluid's range."""
-    low, high = temperature_range(source)
-    step = 1.0 if temperature + 1.0 <= high else -1.0
-    if temperature + step < low:
-        return 0.0
-    return float(np.log(viscosity / liquid_at(source, temperature + step).dynamic_viscosity) / step)
 
 
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:

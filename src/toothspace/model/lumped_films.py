@@ -51,7 +51,14 @@ def journal_data(
     """Collect the data of the bearings whose bodies are free to move, then of moving blocks."""
     carried = [j for j in description.journals if j.body in bush]
     journals = [*carried, *((blocks.film,) if blocks else ())]
-    maps, places = _film_maps(journals)
+    shapes: dict[Any, JournalMap] = {}
+    for journal in journals:
+        shape = _journal_map(_slenderness(journal))
+        if journal.solved is not None:
+            shape = shape._replace(nodes=journal.solved.force_nodes)
+        shapes[_map_key(journal)] = shape
+    places = [list(shapes).index(_map_key(journal)) for journal in journals]
+    maps = list(shapes.values()) or [_journal_map(1.0)]
     bodies = {body.name: body for body in description.bodies}
     turning = ((place, description.motions[k]) for place, k in enumerate(free))
     rotations = {motion.body: place for place, motion in turning if motion.axis == "rotation"}
@@ -80,7 +87,26 @@ def journal_data(
         for j, place in zip(carried, places, strict=False)
     ]
     if blocks:
-        rows.append(_block_row(blocks.film, len(free), places[-1]))
+        # the film between bearing blocks and housing: nothing turns, nothing carries it
+        motion = len(free)
+        size = (
+            blocks.film.count,
+            0.5 * blocks.film.diameter,
+            blocks.film.length,
+            blocks.film.radial_clearance,
+        )
+        at_rest = 0.0, 0.0, 0.0, blocks.film.boundary_friction, -1
+        rows.append(
+            (motion, motion + 1, *size, *at_rest, places[-1], 0.0, 0.0, 0, 0.0, 1.0, -1, -1)
+        )
+    friction = [
+        np.empty((0, col.CURVE_COLUMNS)) if j.friction is None else j.friction.rows
+        for j in journals
+    ]
+    longest = max((len(one) for one in friction), default=0)
+    curves = np.zeros((len(journals), max(longest, 1), col.CURVE_COLUMNS))
+    for block, one in zip(curves, friction, strict=True):
+        block[: len(one)] = one
     return JournalData(
         rows=np.array(rows, dtype=float).reshape(len(journals), col.JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
@@ -88,40 +114,8 @@ def journal_data(
         ),
         asperity_range=span,
         film=maps[0]._replace(nodes=np.stack([one.nodes for one in maps])),
-        curves=_friction_curves(journals),
+        curves=curves,
     )
-
-
-def _block_row(film: LumpedJournalBearing, motion: int, place: int) -> tuple[float, ...]:
-    """Row of the film between bearing blocks and housing: nothing turns, nothing carries it."""
-    size = film.count, 0.5 * film.diameter, film.length, film.radial_clearance
-    at_rest = 0.0, 0.0, 0.0, film.boundary_friction, -1
-    return (motion, motion + 1, *size, *at_rest, place, 0.0, 0.0, 0, 0.0, 1.0, -1, -1)
-
-
-def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:
-    """Friction curves over the load, one block per bearing, unused rows empty."""
-    rows = [
-        np.empty((0, col.CURVE_COLUMNS)) if j.friction is None else j.friction.rows
-        for j in journals
-    ]
-    longest = max((len(one) for one in rows), default=0)
-    curves = np.zeros((len(journals), max(longest, 1), col.CURVE_COLUMNS))
-    for block, one in zip(curves, rows, strict=True):
-        block[: len(one)] = one
-    return curves
-
-
-def _film_maps(journals: list[LumpedJournalBearing]) -> tuple[list[JournalMap], list[int]]:
-    """Different film maps, and which of them each bearing uses."""
-    maps: dict[Any, JournalMap] = {}
-    for journal in journals:
-        shape = _journal_map(_slenderness(journal))
-        if journal.solved is not None:
-            shape = shape._replace(nodes=journal.solved.force_nodes)
-        maps[_map_key(journal)] = shape
-    places = [list(maps).index(_map_key(journal)) for journal in journals]
-    return list(maps.values()) or [_journal_map(1.0)], places
 
 
 @lru_cache(maxsize=8)

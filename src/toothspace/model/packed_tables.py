@@ -151,7 +151,15 @@ def make_members(
 
 def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
     """Pack tables into one bank, in their order."""
-    tables = [_shortened(table) for table in tables]
+    shortened = []
+    for table in tables:
+        # without trailing channels of zeros, and one node if nothing depends on the angle
+        used = np.flatnonzero(np.any(table.values, axis=0) | np.any(table.slopes, axis=0))
+        channels = max(used[-1] + 1 if used.size else 0, min(2, table.values.shape[1]))
+        values, slopes = table.values[:, :channels], table.slopes[:, :channels]
+        nodes = len(values) if np.any(slopes) or np.any(values != values[0]) else 1
+        shortened.append(PeriodicTable(table.period, values[:nodes], slopes[:nodes]))
+    tables = shortened
     blocks = []
     for table in tables:
         v, s = table.values, table.period / table.values.shape[0] * table.slopes
@@ -164,15 +172,6 @@ def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
         layout=np.column_stack([offset, shapes]).astype(np.int64),
         period=np.array([table.period for table in tables]),
     )
-
-
-def _shortened(table: PeriodicTable) -> PeriodicTable:
-    """Drop trailing channels of zeros, and all nodes but one if nothing depends on the angle."""
-    used = np.flatnonzero(np.any(table.values, axis=0) | np.any(table.slopes, axis=0))
-    channels = max(used[-1] + 1 if used.size else 0, min(2, table.values.shape[1]))
-    values, slopes = table.values[:, :channels], table.slopes[:, :channels]
-    nodes = len(values) if np.any(slopes) or np.any(values != values[0]) else 1
-    return PeriodicTable(table.period, values[:nodes], slopes[:nodes])
 
 
 @kernel

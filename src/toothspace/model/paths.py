@@ -62,29 +62,28 @@ def by_kind(paths: Sequence[FlowPath]) -> tuple[FlowPath, ...]:
 
 def path_tables(path: FlowPath, motion_map: Array) -> list[PeriodicTable]:
     """Tables that compiled code reads of a path, one or one for each of its members."""
-    return [_path_table(path, geometry, motion_map) for geometry in path.own or (path.geometry,)]
-
-
-def _path_table(path: FlowPath, geometry: PeriodicTable, motion_map: Array) -> PeriodicTable:
-    # channels: geometry (3), drag, shear, dh/dq
-    period, shape = geometry.period, geometry.values.shape
-    motions = motion_map.shape[1]
-    values = np.zeros((shape[0], 5 + motions))
-    slopes = np.zeros_like(values)
-    parts: list[tuple[PeriodicTable | None, slice, Array | None]] = [
-        (geometry, slice(0, shape[1]), None),
-        (path.drag_speed, slice(3, 4), None),
-        (path.shear_speed, slice(4, 5), None),
-        (path.height_by_motion, slice(5, 5 + motions), motion_map),
-    ]
-    for table, columns, mix in parts:
-        if table is None:
-            continue
-        if table.values.shape[0] != shape[0] or table.period != period:
-            raise ValueError(f"path {path.name}: tables differ in nodes or period")
-        values[:, columns] = table.values if mix is None else table.values @ mix
-        slopes[:, columns] = table.slopes if mix is None else table.slopes @ mix
-    return PeriodicTable(period, values, slopes)
+    tables = []
+    for geometry in path.own or (path.geometry,):
+        # channels: geometry (3), drag, shear, dh/dq
+        period, shape = geometry.period, geometry.values.shape
+        motions = motion_map.shape[1]
+        values = np.zeros((shape[0], 5 + motions))
+        slopes = np.zeros_like(values)
+        parts: list[tuple[PeriodicTable | None, slice, Array | None]] = [
+            (geometry, slice(0, shape[1]), None),
+            (path.drag_speed, slice(3, 4), None),
+            (path.shear_speed, slice(4, 5), None),
+            (path.height_by_motion, slice(5, 5 + motions), motion_map),
+        ]
+        for table, columns, mix in parts:
+            if table is None:
+                continue
+            if table.values.shape[0] != shape[0] or table.period != period:
+                raise ValueError(f"path {path.name}: tables differ in nodes or period")
+            values[:, columns] = table.values if mix is None else table.values @ mix
+            slopes[:, columns] = table.slopes if mix is None else table.slopes @ mix
+        tables.append(PeriodicTable(period, values, slopes))
+    return tables
 
 
 def path_arrays(

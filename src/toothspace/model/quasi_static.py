@@ -10,7 +10,7 @@ from toothspace.closures.gap_flow import (
     parallel_gap_conductance,
 )
 from toothspace.core.types import Array
-from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 
 _OPEN_LENGTH = 1.083e-5
@@ -38,7 +38,14 @@ def quasi_static_pressures(
     open_length = _OPEN_LENGTH * float(np.cbrt(description.displacement))
     for path in description.paths:
         geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
-        conductance = path.multiplicity * _conductance(path, geometry, open_length)
+        if path.kind == "orifice":
+            one = open_length * np.maximum(geometry[:, 0], 0.0)
+        else:
+            height = np.maximum(geometry[:, 0], path.minimum_height)
+            width = np.maximum(geometry[:, 1], 0.0)
+            law = _GAP_LAWS[path.kind]
+            one = np.asarray(law(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0))
+        conductance = path.multiplicity * one
         np.add.at(matrix, (path.nodes_a, path.nodes_b), conductance)
         np.add.at(matrix, (path.nodes_b, path.nodes_a), conductance)
     chambers = description.chamber_count
@@ -83,12 +90,3 @@ def mean_force(description: MachineDescription, condition: OperatingCondition) -
             total += pressure[start : start + family.count] @ family.volume_by_motion(angles)
             start += family.count
     return total / _ANGLES
-
-
-def _conductance(path: FlowPath, geometry: Array, open_length: float) -> Array:
-    if path.kind == "orifice":
-        return open_length * np.maximum(geometry[:, 0], 0.0)
-    height = np.maximum(geometry[:, 0], path.minimum_height)
-    width = np.maximum(geometry[:, 1], 0.0)
-    law = _GAP_LAWS[path.kind]
-    return np.asarray(law(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0))

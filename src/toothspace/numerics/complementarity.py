@@ -372,7 +372,14 @@ def _active_set(
     systems = PassSystems(balance)
     unknown = np.zeros(kind.size)
     for number in range(1, max_passes + 1):
-        _close_rings(balance, kind, number)
+        if balance.ring:
+            lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
+            if lanes.size != 0:
+                if number > _RING_CLOSURES:
+                    lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
+                # there the ring passes on least, so there it fills first
+                narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
+                kind[narrowest, lanes] = SATURATED
         stencil, rhs = assemble(balance, kind)
         system = systems.system(stencil, kind)
         used = kind.copy()
@@ -389,7 +396,12 @@ def _active_set(
         if constraint is Constraint.CONSERVING:
             # Newton moves the border of a cavity by one cell a pass; a sweep along the flow follows
             # the liquid as far as it goes
-            _settle(balance, kind, unknown, sense * _sweeps(number, changed), UNSATURATED)
+            if number in _RESCUES:
+                sweeps = _RESCUES[number]
+            else:
+                peeling = 1 < changed < 10 and number <= 4 * _SETTLING_PASSES
+                sweeps = 1 if number <= _SETTLING_PASSES or peeling else 0
+            _settle(balance, kind, unknown, sense * sweeps, UNSATURATED)
         else:
             _settle(balance, kind, unknown, 1, PRESCRIBED)
             _settle(balance, kind, unknown, -1, PRESCRIBED)
@@ -398,14 +410,6 @@ def _active_set(
     error = norm(rhs - stencil_product(stencil, unknown, *grid_shape(balance)))
     converged = changed == 0 and error <= _ACCEPTED * norm(rhs)
     return ComplementaritySolution(*fields_of(used, unknown), used, system, number, converged)
-
-
-def _sweeps(number: int, changed: int) -> int:
-    """Sweeps after a pass: one at first, many now and then if the passes go in circles."""
-    if number in _RESCUES:
-        return _RESCUES[number]
-    peeling = 1 < changed < 10 and number <= 4 * _SETTLING_PASSES
-    return 1 if number <= _SETTLING_PASSES or peeling else 0
 
 
 def _revise(
@@ -442,24 +446,6 @@ _COARSE_SWEEPS = 1
 
 _RING_CLOSURES = 8
 """Passes in which rings that gain or lose volume are closed."""
-
-
-def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
-    """Saturate the narrowest cell of every lane that is unsaturated all the way round.
-
-    Such a lane passes on whatever it holds and its saturation is undetermined; any inflow
-    fills it up to where it passes least. Storage determines it, if slowly.
-    """
-    if not balance.ring:
-        return
-    lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
-    if lanes.size == 0:
-        return
-    if number > _RING_CLOSURES:
-        lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
-    # there the ring passes on least, so there it fills first
-    narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
-    kind[narrowest, lanes] = SATURATED
 
 
 def potential_scale(balance: CellBalance) -> float:

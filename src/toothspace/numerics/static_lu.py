@@ -107,7 +107,19 @@ def _analysed(pattern_bytes: bytes, basis_bytes: bytes, n: int) -> LuProgram:
     basis = np.frombuffer(basis_bytes, dtype=bool).reshape(-1, n)
     n_total = len(pattern)
     core = pattern[:n] | basis
-    order = _fewest_updates(core)
+    graph = core.copy()
+    np.fill_diagonal(graph, False)
+    size = core.shape[0]
+    left = np.ones(size, dtype=bool)
+    order = np.zeros(size, dtype=np.int64)
+    for stage in range(size):
+        updates = np.where(left, graph.sum(axis=0) * graph.sum(axis=1), size * size)
+        node = int(np.argmin(updates))
+        order[stage] = node
+        graph[np.ix_(graph[:, node], graph[node])] = True
+        graph[node, :] = graph[:, node] = False
+        np.fill_diagonal(graph, False)
+        left[node] = False
     # every elimination fills the product of its column and its row
     filled = core[np.ix_(order, order)].copy()
     for k in range(filled.shape[0]):
@@ -146,24 +158,6 @@ def _starts(counts: IntArray) -> IntArray:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def _fewest_updates(core: BoolArray) -> IntArray:
-    """Eliminate the state whose row and column change the fewest others first (Markowitz)."""
-    graph = core.copy()
-    np.fill_diagonal(graph, False)
-    n = core.shape[0]
-    left = np.ones(n, dtype=bool)
-    order = np.zeros(n, dtype=np.int64)
-    for stage in range(n):
-        updates = np.where(left, graph.sum(axis=0) * graph.sum(axis=1), n * n)
-        node = int(np.argmin(updates))
-        order[stage] = node
-        graph[np.ix_(graph[:, node], graph[node])] = True
-        graph[node, :] = graph[:, node] = False
-        np.fill_diagonal(graph, False)
-        left[node] = False
-    return order
-
-
 def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
     """List for every stage the rows it changes and the contiguous pieces of the change."""
     pair_start, pair_lower, run_start = [0], [], [0]
@@ -172,7 +166,15 @@ def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
         right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
         for i in k + 1 + np.nonzero(filled[k + 1 :, k])[0]:
             pair_lower.append(int(packed[i, k]))
-            runs += _runs(packed[k, right], packed[i, right])
+            upper = packed[k, right]
+            target = packed[i, right]
+            if target.size == 0:
+                found = []
+            else:
+                breaks = np.nonzero(np.diff(target) != 1)[0] + 1
+                pieces = np.split(np.arange(target.size), breaks)
+                found = [(int(upper[p[0]]), int(target[p[0]]), int(p.size)) for p in pieces]
+            runs += found
             run_start.append(len(runs))
         pair_start.append(len(pair_lower))
     table = np.array(runs, dtype=np.int64).reshape(-1, 3)
@@ -184,14 +186,6 @@ def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
         "run_target": _index(table[:, 1]),
         "run_length": _index(table[:, 2]),
     }
-
-
-def _runs(upper: IntArray, target: IntArray) -> list[tuple[int, int, int]]:
-    if target.size == 0:
-        return []
-    breaks = np.nonzero(np.diff(target) != 1)[0] + 1
-    pieces = np.split(np.arange(target.size), breaks)
-    return [(int(upper[p[0]]), int(target[p[0]]), int(p.size)) for p in pieces]
 
 
 @njit(error_model="numpy", _nrt=False)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.geometry import one_chamber
 from toothspace.plotting.section import port_side
@@ -28,7 +27,6 @@ from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import LOADED_SHARE
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.projections.polar import PolarAxes
 
@@ -55,7 +53,11 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
         for journal in () if description is None else description.journals:
             if journal.body == body:
                 clearance = 1e6 * journal.radial_clearance
-                _clearance_circle(circle, seat, clearance)
+                turn = np.linspace(0.0, 2.0 * np.pi, 181)
+                ring = seat[:, None] + clearance * np.array([np.cos(turn), np.sin(turn)])
+                circle.fill(*ring, color=LIGHT, alpha=0.6, linewidth=0.0, zorder=0)
+                circle.plot(*ring, color=GREY, linewidth=1.0)
+                circle.plot(*seat[:, None], "+", color=GREY, markersize=8)
                 title = f"{title}, clearance {clearance:.3g} µm"
         for axes in (circle, orbit):
             axes.plot(x, y, color=BLUE, linewidth=1.2)
@@ -78,14 +80,6 @@ def _towards(description: MachineDescription | None) -> str:
     if description is None or description.chamber_outlines is None:
         return ""
     return f", towards the {'outlet' if port_side(description, 'outlet') > 0.0 else 'inlet'}"
-
-
-def _clearance_circle(axes: Axes, seat: Array, clearance: float) -> None:
-    turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    circle = seat[:, None] + clearance * np.array([np.cos(turn), np.sin(turn)])
-    axes.fill(*circle, color=LIGHT, alpha=0.6, linewidth=0.0, zorder=0)
-    axes.plot(*circle, color=GREY, linewidth=1.0)
-    axes.plot(*seat[:, None], "+", color=GREY, markersize=8)
 
 
 def _bodies(solution: Solution, name: str) -> list[str]:

@@ -91,7 +91,16 @@ def groove_timing(description: MachineDescription) -> Figure:
     for k, phase in enumerate(family.phases):
         for j, category in enumerate(shown):
             for start, end in opening_windows(description, family, category):
-                for first, width in _at_shaft(family, float(phase), start, end):
+                # shaft angles within one turn at which the chamber's own window is open
+                ratio, period = family.angle_ratio, family.volume.period
+                found = []
+                for turn in range(-2, 3):
+                    begin = np.degrees((start - float(phase) + turn * period) / ratio)
+                    last = begin + np.degrees((end - start) / ratio)
+                    low, high = max(float(begin), 0.0), min(float(last), 360.0)
+                    if high > low:
+                        found.append((low, high - low))
+                for first, width in found:
                     place = (k + 0.22 * (j - 0.5 * (len(shown) - 1)) - 0.1, 0.2)
                     rows.broken_barh([(first, width)], place, color=category.colour)
     rows.set_yticks(range(family.count), [str(k) for k in range(family.count)])
@@ -104,21 +113,6 @@ def groove_timing(description: MachineDescription) -> Figure:
     labels = [readable(c.label) for c in shown]
     figure.legend(handles, labels, loc="outside upper right", ncols=4)
     return figure
-
-
-def _at_shaft(
-    family: ChamberFamily, phase: float, start: float, end: float
-) -> list[tuple[float, float]]:
-    """Shaft angles [deg] within one turn, and widths, of a window of a chamber's own angle."""
-    ratio, period = family.angle_ratio, family.volume.period
-    found = []
-    for turn in range(-2, 3):
-        first = np.degrees((start - phase + turn * period) / ratio)
-        last = first + np.degrees((end - start) / ratio)
-        low, high = max(float(first), 0.0), min(float(last), 360.0)
-        if high > low:
-            found.append((low, high - low))
-    return found
 
 
 def _draw_mesh_window(

@@ -175,11 +175,43 @@ def draw_section(
     _fill(axes, housing_region(description), facecolor=LIGHT, edgecolor=GREY, linewidth=0.7)
     for port, colour in ports.items():
         _fill(axes, port_region(description, port), facecolor=colour, linewidth=0.0)
-        _name_port(axes, description, port, colour)
+        low, high = sorted(body.center[1] for body in description.bodies)
+        casing = description.outlines["casing"]
+        wall = _WALL * float(np.ptp(casing[:, 1]))
+        far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
+        left = port_side(description, port) < 0.0
+        within = f"port_{port}" in description.outlines
+        light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
+        far = far + 0.5 * wall if within else far
+        x, y = (-far if left else far) * _MM, 0.5 * (low + high) * _MM
+        side, ink = "left" if left != within else "right", INK if light else "white"
+        axes.text(x, y, port, ha=side, va="center", fontsize=8, color=ink)
     if description.chamber_outlines is not None:
         for region, space in zip(fluid_cells(description, shaft_angle), spaces, strict=False):
             _fill(axes, region, facecolor=space, edgecolor=space, linewidth=0.4)
-    _draw_bodies(axes, description, shaft_angle)
+    for body in description.bodies:
+        solid = turned_section(description, body, shaft_angle)
+        _fill(axes, solid, facecolor=METAL, edgecolor=INK, linewidth=0.6)
+        journal = next((j for j in description.journals if j.body == body.name), None)
+        if journal is not None:
+            turn = np.linspace(0.0, 2.0 * np.pi, 181)
+            circle = 0.5 * journal.diameter * np.array([np.cos(turn), np.sin(turn)])
+            center = np.asarray(body.center)[:, None]
+            axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
+        mark = _MM * np.asarray(body.center)
+        axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
+        # arc with an arrow head in the sense of rotation
+        radius, half = 0.3 * _MM * _tip_radius(description, 0), 70.0
+        if solid.interiors:  # in the rim of a ring
+            hole = _MM * np.asarray(solid.interiors[0].coords) - mark
+            rim = _MM * np.hypot(*description.outlines[body.name].T).max()
+            radius, half = 0.5 * float(np.hypot(*hole.T).max() + rim), 20.0
+        turn = np.radians(90.0 + np.linspace(-half, half, 40))
+        turn = turn if body.speed_ratio > 0.0 else np.pi - turn
+        arc = mark[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
+        axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
+        arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=arrow)
     _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
     for outline in recess_outlines(description).values():
         axes.plot(*(_MM * outline.T), color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
@@ -241,48 +273,6 @@ def port_region(description: MachineDescription, port: str) -> Any:
 def port_side(description: MachineDescription, port: str) -> float:
     """Place of a port along x: negative on the left. [m]."""
     return float(port_region(description, port).centroid.x)
-
-
-def _name_port(
-    axes: Axes, description: MachineDescription, port: str, colour: tuple[float, ...]
-) -> None:
-    low, high = sorted(body.center[1] for body in description.bodies)
-    casing = description.outlines["casing"]
-    wall = _WALL * float(np.ptp(casing[:, 1]))
-    far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
-    left = port_side(description, port) < 0.0
-    within = f"port_{port}" in description.outlines
-    light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
-    far = far + 0.5 * wall if within else far
-    x, y = (-far if left else far) * _MM, 0.5 * (low + high) * _MM
-    side, ink = "left" if left != within else "right", INK if light else "white"
-    axes.text(x, y, port, ha=side, va="center", fontsize=8, color=ink)
-
-
-def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
-    for body in description.bodies:
-        solid = turned_section(description, body, shaft_angle)
-        _fill(axes, solid, facecolor=METAL, edgecolor=INK, linewidth=0.6)
-        journal = next((j for j in description.journals if j.body == body.name), None)
-        if journal is not None:
-            turn = np.linspace(0.0, 2.0 * np.pi, 181)
-            circle = 0.5 * journal.diameter * np.array([np.cos(turn), np.sin(turn)])
-            center = np.asarray(body.center)[:, None]
-            axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
-        mark = _MM * np.asarray(body.center)
-        axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
-        # arc with an arrow head in the sense of rotation
-        radius, half = 0.3 * _MM * _tip_radius(description, 0), 70.0
-        if solid.interiors:  # in the rim of a ring
-            hole = _MM * np.asarray(solid.interiors[0].coords) - mark
-            rim = _MM * np.hypot(*description.outlines[body.name].T).max()
-            radius, half = 0.5 * float(np.hypot(*hole.T).max() + rim), 20.0
-        turn = np.radians(90.0 + np.linspace(-half, half, 40))
-        turn = turn if body.speed_ratio > 0.0 else np.pi - turn
-        arc = mark[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
-        axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
-        arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=arrow)
 
 
 def _fill(axes: Axes, region: Any, **style: Any) -> None:

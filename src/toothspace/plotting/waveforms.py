@@ -155,7 +155,20 @@ def _waves_and_spectra(
             note = f"mean {mean:.4g}, peak to peak {np.ptp(values):.3g}"
             note += f" ({ripple_percent(values):.3g} %)" if "bar" not in label else ""
         left.text(0.0, 1.02, note, transform=left.transAxes, ha="left", fontsize=7.5, color=GREY)
-        _order_bars(right, angle, signal, color, teeth)
+        # amplitudes above what two revolutions that agree can differ by
+        result = resolved_spectrum(angle, signal)
+        end = 10.5 * teeth if teeth else 100.0
+        for k in range(1, 11 if teeth else 1):
+            right.axvline(k * (teeth or 0), color=LIGHT, linewidth=4.0, zorder=0)
+        right.vlines(result.order, 0.0, result.amplitude, color=color, linewidth=1.8)
+        if teeth:
+            right.set_xticks([k * teeth for k in range(0, 11, 2)])
+        right.set_xlim(0.0, end)
+        highest = float(np.max(result.amplitude, initial=0.0))
+        right.set_ylim(0.0, 1.1 * highest or 1.0)
+        if not highest:
+            right.set_yticks([])
+            right.text(0.5, 0.5, "no ripple", transform=right.transAxes, ha="center", color=GREY)
         right.set_ylabel(f"Amplitude {label[label.index('(') :]}")
     angle_axis(grid[-1][0])
     grid[-1][1].set_xlabel("Shaft order (-)")
@@ -164,23 +177,6 @@ def _waves_and_spectra(
     top = grid[0][1].secondary_xaxis("top", functions=scales)
     top.set_xlabel("Frequency (Hz)")
     return figure
-
-
-def _order_bars(axes: Axes, angle: Array, signal: Array, color: str, teeth: int | None) -> None:
-    """Amplitudes above what two revolutions that agree can differ by."""
-    result = resolved_spectrum(angle, signal)
-    end = 10.5 * teeth if teeth else 100.0
-    for k in range(1, 11 if teeth else 1):
-        axes.axvline(k * (teeth or 0), color=LIGHT, linewidth=4.0, zorder=0)
-    axes.vlines(result.order, 0.0, result.amplitude, color=color, linewidth=1.8)
-    if teeth:
-        axes.set_xticks([k * teeth for k in range(0, 11, 2)])
-    axes.set_xlim(0.0, end)
-    top = float(np.max(result.amplitude, initial=0.0))
-    axes.set_ylim(0.0, 1.1 * top or 1.0)
-    if not top:
-        axes.set_yticks([])
-        axes.text(0.5, 0.5, "no ripple", transform=axes.transAxes, ha="center", color=GREY)
 
 
 @styled

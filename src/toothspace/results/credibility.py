@@ -168,7 +168,20 @@ def _efficiencies(numbers: Mapping[str, float]) -> Iterator[Finding]:
     overall = numbers.get("overall_efficiency", math.nan)
     name = "Volumetric efficiency"
     if volumetric > VOLUMETRIC_LIMIT:
-        reason, advice = _surplus(numbers)
+        leakage = sum(v for k, v in numbers.items() if re.fullmatch("leakage_.*_L_per_min", k))
+        reason, advice = (
+            (
+                f"moving walls drag {-leakage:.3g} L/min more through the gaps than the pressure "
+                "drives back, which the displacement does not count, as with thick oil at low "
+                "pressure.",
+                "Look at the clearances and the temperature.",
+            )
+            if leakage < min(numbers.get("mesh_exchange_flow_L_per_min", 0.0), 0.0)
+            else (
+                "fluid enclosed in the chambers expands in them or is drawn past the ports.",
+                "Look at the timing of the ports.",
+            )
+        )
         yield Finding(
             "warning",
             f"{name} is {volumetric:.4f}, above 1: {reason}",
@@ -322,22 +335,6 @@ def _impacts(data: Dataset) -> Iterator[Finding]:
             advice="Extremes of torque and contact force come from 2880 states of a revolution, "
             "which may miss the peak of a blow; the low orders of the torque do not depend on it.",
         )
-
-
-def _surplus(numbers: Mapping[str, float]) -> tuple[str, str]:
-    """Why more is delivered than displaced, what walls drag or chambers give back; what to do."""
-    leakage = sum(v for k, v in numbers.items() if re.fullmatch("leakage_.*_L_per_min", k))
-    if leakage < min(numbers.get("mesh_exchange_flow_L_per_min", 0.0), 0.0):
-        return (
-            f"moving walls drag {-leakage:.3g} L/min more through the gaps than the pressure "
-            "drives back, which the displacement does not count, as with thick oil at low "
-            "pressure.",
-            "Look at the clearances and the temperature.",
-        )
-    return (
-        "fluid enclosed in the chambers expands in them or is drawn past the ports.",
-        "Look at the timing of the ports.",
-    )
 
 
 def temperatures_beyond(solution: Solution, low: float, high: float) -> Iterator[Finding]:

@@ -201,9 +201,25 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     leakage = leakages_of(parts) or means_by_label(data, "leakage")
     parts = parts or {EXCHANGE: lost - sum(leakage.values())}
     flows = {**{f"leakage_{k}": v for k, v in leakage.items()}, "lost_flow": lost, **parts}
+    duration = ledger.duration
+    operating = {
+        "shaft_speed_rpm": _ratio(ledger.shaft_angle, duration) * 60.0 / _TURN,
+        "inlet_pressure_bar": float(data["inlet_pressure"].mean()) / _BAR,
+        "outlet_pressure_bar": float(data["outlet_pressure"].mean()) / _BAR,
+        "shaft_power_W": abs(_ratio(ledger.shaft_energy, duration)),
+        "hydraulic_power_W": abs(_ratio(ledger.port_energy, duration)),
+        "power_loss_W": _ratio(ledger.loss_energy, duration),
+        "inlet_temperature_degC": float(data["fluid_temperature"]) - ZERO_CELSIUS,
+        "outlet_temperature_degC": outlet_temperature(data, ledger) - ZERO_CELSIUS,
+        "drain_temperature_degC": drain_temperature(data, ledger) - ZERO_CELSIUS,
+    }
+    if "temperature" in data:
+        films = data["temperature"][data["heat_node"].str.contains("_film.")]
+        if films.size:
+            operating["highest_film_temperature_degC"] = float(films.max()) - ZERO_CELSIUS
     return {
         **numbers,
-        **_operating_numbers(data, ledger),
+        **operating,
         **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
         **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
         **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
@@ -234,26 +250,6 @@ def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "shaft_energy_J": -ledger.shaft_energy,
         "loss_energy_J": ledger.loss_energy,
     }
-
-
-def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
-    duration = ledger.duration
-    numbers = {
-        "shaft_speed_rpm": _ratio(ledger.shaft_angle, duration) * 60.0 / _TURN,
-        "inlet_pressure_bar": float(data["inlet_pressure"].mean()) / _BAR,
-        "outlet_pressure_bar": float(data["outlet_pressure"].mean()) / _BAR,
-        "shaft_power_W": abs(_ratio(ledger.shaft_energy, duration)),
-        "hydraulic_power_W": abs(_ratio(ledger.port_energy, duration)),
-        "power_loss_W": _ratio(ledger.loss_energy, duration),
-        "inlet_temperature_degC": float(data["fluid_temperature"]) - ZERO_CELSIUS,
-        "outlet_temperature_degC": outlet_temperature(data, ledger) - ZERO_CELSIUS,
-        "drain_temperature_degC": drain_temperature(data, ledger) - ZERO_CELSIUS,
-    }
-    if "temperature" in data:
-        films = data["temperature"][data["heat_node"].str.contains("_film.")]
-        if films.size:
-            numbers["highest_film_temperature_degC"] = float(films.max()) - ZERO_CELSIUS
-    return numbers
 
 
 def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:

@@ -370,9 +370,20 @@ def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
     pitch = tooth_pitch(data)
     within_pitch = np.abs(angle - angle[0]) <= pitch
     startup = float(highest[within_pitch].max()) if np.isfinite(breakaway) else np.nan
-    running, settled = _running_pressures(data, breakaway, pitch)
-    pressure = np.asarray(data["pressure_difference"])
-    released = float(np.interp(breakaway, np.asarray(data["time"]), pressure))
+    # largest and settled moving mean between start and end of running
+    time, running, settled = np.asarray(data["time"]), float("nan"), float("nan")
+    supply = np.asarray(data["supply_speed"])
+    plateau = np.flatnonzero(supply >= _AT_PLATEAU * supply.max())
+    end = time[plateau[-1]] if supply.max() > 0.0 else time[-1]
+    signal = np.asarray(data["pressure_difference"])
+    runs = (time >= breakaway) & (time <= end)
+    if runs.sum() >= 2:
+        at, mean = moving_mean(time[runs], angle[runs], signal[runs], pitch)
+        later = at >= breakaway + _SETTLING
+        if later.any():
+            at_end = at >= at[-1] - _SETTLED_SHARE * (at[-1] - breakaway)
+            running, settled = float(mean[later].max()), float(mean[at_end].mean())
+    released = float(np.interp(breakaway, time, signal))
     return {
         "startup_pressure_bar": startup / _BAR,
         "max_running_pressure_bar": running / _BAR,
@@ -444,24 +455,6 @@ def moving_mean(time: Array, angle: Array, signal: Array, window: float) -> tupl
     begin = np.interp(growing[ends] - window, growing, time)
     duration = np.maximum(time[ends] - begin, 1e-12)
     return time[ends], (whole[ends] - np.interp(begin, time, whole)) / duration
-
-
-def _running_pressures(data: xr.Dataset, breakaway: float, pitch: float) -> tuple[float, float]:
-    """Largest and settled moving mean between start and end of running. [Pa]."""
-    time, angle = (np.asarray(data[name]) for name in ("time", "shaft_angle"))
-    supply = np.asarray(data["supply_speed"])
-    plateau = np.flatnonzero(supply >= _AT_PLATEAU * supply.max())
-    end = time[plateau[-1]] if supply.max() > 0.0 else time[-1]
-    signal = np.asarray(data["pressure_difference"])
-    running = (time >= breakaway) & (time <= end)
-    if running.sum() < 2:
-        return float("nan"), float("nan")
-    at, mean = moving_mean(time[running], angle[running], signal[running], pitch)
-    later = at >= breakaway + _SETTLING
-    if not later.any():
-        return float("nan"), float("nan")
-    settled = at >= at[-1] - _SETTLED_SHARE * (at[-1] - breakaway)
-    return float(mean[later].max()), float(mean[settled].mean())
 
 
 def load_solution(path: str | Path) -> Solution:

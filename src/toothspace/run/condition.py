@@ -182,7 +182,15 @@ def _circuit_condition(
     if shaft is not None and circuit.leads("torque"):
         shaft = replace(shaft, load_history=led_history(shaft.load_history))
     low = circuit.supply_pressure
-    high = low + _expected_pressure(case, description)
+    elements = keys.elements.values()
+    relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]
+    expected = max(relief, default=_EXPECTED_PRESSURE)
+    startup = description.startup
+    high = low + (
+        expected
+        if startup is None or startup.law == "interfaces" or speed_of(elements) is not None
+        else min(expected, _BEYOND_BREAKAWAY * startup.torque / description.displacement)
+    )
     shaft_speed = keys.initial_shaft_speed if speed is None else float(speed[0, 1])
     high_inlet = (description.mode == "motor") == (shaft_speed >= 0.0)
     return OperatingCondition(
@@ -197,15 +205,3 @@ def _circuit_condition(
         speed_schedule=np.zeros((0, 2)) if speed is None else speed,
         shaft_angle=keys.initial_shaft_angle,
     )
-
-
-def _expected_pressure(case: Case, description: MachineDescription) -> float:
-    """Pressure difference that seats the bearing blocks and scales the tolerance. [Pa]."""
-    assert case.circuit is not None
-    elements = case.circuit.elements.values()
-    relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]
-    expected = max(relief, default=_EXPECTED_PRESSURE)
-    startup = description.startup
-    if startup is None or startup.law == "interfaces" or speed_of(elements) is not None:
-        return expected
-    return min(expected, _BEYOND_BREAKAWAY * startup.torque / description.displacement)

@@ -88,7 +88,18 @@ class HeatSearch:
         if case.heat.model == "adiabatic" or found.status is not Status.DONE:
             self._heat = None
             return True
-        _, temperature = self._heat = _temperatures(case, self._description, found)
+        heat, ledger = case.heat, found.ledger
+        flows = HeatFlows(
+            shaft_speed=ledger.shaft_angle / ledger.duration,
+            losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
+            through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
+            drain_flow=drain_flow(found.data, ledger),
+        )
+        liquid, supply = liquid_of(case), fluid_temperature(case)
+        network = heat_network(self._description, liquid, supply, flows, heat)
+        time = heat.running_time
+        temperature = network.steady() if time is None else network.after(time)
+        self._heat = network, temperature
         if case.heat.model != "coupled":
             return True
         reached, supply = np.array(list(temperature.values())), fluid_temperature(case)
@@ -107,7 +118,16 @@ class HeatSearch:
             return True
         following = self._mixing.following(self._tried, reached - self._tried)
         if self._rounds == 0:
-            following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)
+            # share of a rise with cold films that is left if all heat follows the viscosity
+            warmest, cold = float(reached.max()), liquid_of(case).dynamic_viscosity
+
+            def surplus(share: float) -> float:
+                at_share = liquid_of(case, supply + share * (warmest - supply))
+                return at_share.dynamic_viscosity / cold - share
+
+            most = min(1.0, (highest - supply) / max(warmest - supply, _AGREED))
+            left = most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
+            following = supply + left * (reached - supply)
         self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
         warm = dict(zip(temperature, self._tried, strict=True))
         self.machine = _warmed(case, self._description, warm)
@@ -124,36 +144,6 @@ class HeatSearch:
         data = self._solution.data.merge(nodes, combine_attrs="override")
         told = replace(self._solution, data=data)
         return told.with_note(warm_up_time=network.warm_up_time).short_of(self._warning)
-
-
-def _sheared_share(case: Case, reached: float, highest: float) -> float:
-    """Share of a rise with cold films that is left if all heat follows the viscosity. [-]."""
-    supply, cold = fluid_temperature(case), liquid_of(case).dynamic_viscosity
-
-    def surplus(share: float) -> float:
-        warm = liquid_of(case, supply + share * (reached - supply))
-        return warm.dynamic_viscosity / cold - share
-
-    most = min(1.0, (highest - supply) / max(reached - supply, _AGREED))
-    return most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
-
-
-def _temperatures(
-    case: Case, description: MachineDescription, solution: Solution
-) -> tuple[HeatNetwork, dict[str, float]]:
-    """Network at the mean powers and flows of a solution, and its temperatures. [K]."""
-    heat, ledger = case.heat, solution.ledger
-    flows = HeatFlows(
-        shaft_speed=ledger.shaft_angle / ledger.duration,
-        losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
-        through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
-        drain_flow=drain_flow(solution.data, ledger),
-    )
-    liquid, supply = liquid_of(case), fluid_temperature(case)
-    network = heat_network(description, liquid, supply, flows, heat)
-    if heat.running_time is None:
-        return network, network.steady()
-    return network, network.after(heat.running_time)
 
 
 def _warmed(

@@ -183,11 +183,26 @@ def _sized(
             area = system.condition.load_area
             tried.append((math.log(area), math.log(balance.change_of_area(wanted))))
             system, before = system.at(load_area=math.exp(_following(tried))), balance
-            state = _pressed(history, wanted - balance.pressure)
+            # the last state with another pressure in its outlet volume and line
+            change = wanted - balance.pressure
+            own, state = history.system, first_turn_state(history)
+            arrays, size = own.arrays, own.arrays.size
+            seen = observe(arrays, state[None])
+            for node in _outlet_nodes(own):
+                mass, gas = (first + arrays.dynamic_index[node] for first in (size.mass, size.gas))
+                former = float(seen.pressure[0, node])
+                after = max(former + change, _LEAST_PRESSURE * former)
+                row, share = arrays.node[node], state[gas] / state[mass]
+                volume = row[col.VOLUME]
+                if row[col.REST_VOLUME] > 0.0:
+                    volume = wall_volume(row, after)[0]
+                state[mass] = float(mixture_density(after, share, arrays.fluid)) * volume
+                state[gas] = share * state[mass]
             tell(progress, UNKNOWN, f"load orifice, {found} with its last area")
     asked = format_si(wanted + load_pressure, "bar")
     told = _MISSED.format(found=found, asked=asked, match=100.0 * LOAD_MATCH)
-    return replace(history, status=_missed(history.status)), told
+    status = Status.NOT_REACHED if history.status is Status.DONE else history.status
+    return replace(history, status=status), told
 
 
 def _following(tried: list[tuple[float, float]]) -> float:
@@ -212,10 +227,6 @@ def _stuck(
         return False
     moved = abs(balance.pressure - before.pressure)
     return moved < _HARDLY * abs(balance.pressure - wanted)
-
-
-def _missed(status: Status) -> Status:
-    return Status.NOT_REACHED if status is Status.DONE else status
 
 
 def _held(system: System, pressure: float, plan: RunPlan, progress: Progress | None) -> History:
@@ -333,22 +344,4 @@ def _carried(held: History, system: System) -> Array:
         density = float(system.arrays.node[system.description.outlet_node, col.DENSITY])
         state[new.column : new.film] = outlet_balance(held).delivered / density
     state[new.film : new.load] = last[old.film : old.load]
-    return state
-
-
-def _pressed(history: History, change: float) -> Array:
-    """Last state of a march with another pressure in its outlet volume and line. [Pa]."""
-    system, state = history.system, first_turn_state(history)
-    arrays, size = system.arrays, system.arrays.size
-    seen = observe(arrays, state[None])
-    for node in _outlet_nodes(system):
-        mass, gas = (first + arrays.dynamic_index[node] for first in (size.mass, size.gas))
-        before = float(seen.pressure[0, node])
-        after = max(before + change, _LEAST_PRESSURE * before)
-        row, share = arrays.node[node], state[gas] / state[mass]
-        volume = row[col.VOLUME]
-        if row[col.REST_VOLUME] > 0.0:
-            volume = wall_volume(row, after)[0]
-        state[mass] = float(mixture_density(after, share, arrays.fluid)) * volume
-        state[gas] = share * state[mass]
     return state

@@ -106,7 +106,27 @@ class Run:
     def march(self, progress: Progress | None = None) -> Solution:
         """Cyclic state at the operating point, or the time of the circuit."""
         if self.condition.over_time:
-            return self._over_time(progress)
+            case = self.case
+            assert case.circuit is not None
+            plan = TimePlan(
+                case.circuit.duration,
+                cells=case.run.time_samples,
+                max_steps=case.run.step_limit(over_time=True),
+                channels=case.run.channels,
+            )
+
+            def solve(system: System) -> Solution:
+                march = TransientMarch(system, plan)
+                return transient_solution(march, self.provenance, self.values, case.title, progress)
+
+            system = assemble(self.machine, self.fluid, self.condition)
+            found = solve_to_balance(system, solve)
+            units = self.condition.circuit.units if self.condition.circuit else ()
+            for unit in units:
+                found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
+            if self.condition.free_shaft is not None and found.status is Status.DONE:
+                found = found.with_note(*standing(found.data))
+            return self.marked(SeatSearch(self.machine).noted(found))
         return self.repeated(progress)(self.machine)
 
     def repeated(self, progress: Progress | None = None, begin: History | None = None) -> Marches:
@@ -133,29 +153,6 @@ class Run:
         elif self.case.run.preset is ELASTIC and self.case.run.film_oil_share > 0.0:
             films = "as warm as their own heat and flow make them"
         return {**provenance_of(self.case), **models, "films": films}
-
-    def _over_time(self, progress: Progress | None) -> Solution:
-        case = self.case
-        assert case.circuit is not None
-        plan = TimePlan(
-            case.circuit.duration,
-            cells=case.run.time_samples,
-            max_steps=case.run.step_limit(over_time=True),
-            channels=case.run.channels,
-        )
-
-        def solve(system: System) -> Solution:
-            march = TransientMarch(system, plan)
-            return transient_solution(march, self.provenance, self.values, case.title, progress)
-
-        system = assemble(self.machine, self.fluid, self.condition)
-        found = solve_to_balance(system, solve)
-        units = self.condition.circuit.units if self.condition.circuit else ()
-        for unit in units:
-            found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
-        if self.condition.free_shaft is not None and found.status is Status.DONE:
-            found = found.with_note(*standing(found.data))
-        return self.marked(SeatSearch(self.machine).noted(found))
 
     def marked(self, solution: Solution) -> Solution:
         """Solution that says where its machine is doubtful: places of bodies, a casing half cut."""

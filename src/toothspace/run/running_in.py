@@ -18,7 +18,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.model.assembly import System, assemble
-from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import by_kind
 from toothspace.results.solution import Solution
@@ -165,21 +165,18 @@ def running_in_depths(history: History) -> dict[str, Array]:
     for path in by_kind(system.description.paths):
         members = slice(first, first + path.count)
         if path.worn_by is not None:
-            depths[path.worn_by] = _depth(path, angles, heights[:, members])
+            own = heights[:, members]
+            period, nodes = path.geometry.period, path.geometry.values.shape[0]
+            step = period / nodes
+            depth = np.zeros(nodes)
+            closed = path.geometry.values[:, 1] <= 0.0
+            for k in range(path.count):
+                angle = np.mod(path.phases[k] + path.angle_ratio * angles, period)
+                index = np.round(angle / step).astype(int) % nodes
+                np.maximum.at(depth, index, path.minimum_height - own[:, k])
+            depth[closed] = 0.0
+            # widened and rounded by a few nodes: a tip land has a width
+            widened = np.max([np.roll(depth, k) for k in range(-3, 4)], axis=0)
+            depths[path.worn_by] = np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)
         first += path.count
     return depths
-
-
-def _depth(path: FlowPath, shaft_angles: Array, heights: Array) -> Array:
-    period, nodes = path.geometry.period, path.geometry.values.shape[0]
-    step = period / nodes
-    depth = np.zeros(nodes)
-    closed = path.geometry.values[:, 1] <= 0.0
-    for k in range(path.count):
-        angle = np.mod(path.phases[k] + path.angle_ratio * shaft_angles, period)
-        index = np.round(angle / step).astype(int) % nodes
-        np.maximum.at(depth, index, path.minimum_height - heights[:, k])
-    depth[closed] = 0.0
-    # widened and rounded by a few nodes: a tip land has a width
-    widened = np.max([np.roll(depth, k) for k in range(-3, 4)], axis=0)
-    return np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)

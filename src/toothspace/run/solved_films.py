@@ -35,7 +35,7 @@ from toothspace.model.film_faces import FacePlaces, SharedFaces
 from toothspace.model.lumped_films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
-from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+from toothspace.numerics.periodic_table import monotone_table
 
 SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
 """Films of both interfaces that can be solved for a machine."""
@@ -141,10 +141,14 @@ class _Face:
         drag_speed, angles = self.across.drag_speed, np.arange(behind.size) * _FULL_TURN
         if drag_speed is not None:
             drag_speed = monotone_table(_FULL_TURN, drag_speed(angles / behind.size))
+        conductance = np.clip(behind, _LEAST, LARGEST)
+        height, width = self.across.geometry.values[0, :2]
+        columns = np.tile([height, width, 0.0], (conductance.size, 1))
+        columns[:, 2] = width / conductance
         found = [
             replace(
                 self.across,
-                geometry=self._teeth(np.clip(behind, _LEAST, LARGEST)),
+                geometry=monotone_table(_FULL_TURN, columns),
                 drag_speed=drag_speed,
             ),
             replace(self.inwards, geometry=gap_table(self.height, inwards)),
@@ -174,13 +178,6 @@ class _Face:
         """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
         values = -self.solved.matrix[:, first, second]
         return over_turn(values, path.phases, self.solved.turn)
-
-    def _teeth(self, conductance: Array) -> PeriodicTable:
-        """Gap over the teeth: its width drags fluid along and stays, the length conducts."""
-        height, width = self.across.geometry.values[0, :2]
-        columns = np.tile([height, width, 0.0], (conductance.size, 1))
-        columns[:, 2] = width / conductance
-        return monotone_table(_FULL_TURN, columns)
 
 
 def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:
@@ -239,6 +236,26 @@ def with_shared_films(
     moved = replace(faces, covers=covers)
     height = float(np.mean([cover.gap**3 for cover in faces.covers]) ** (1.0 / 3.0))
     sectors = faces.rim.chamber + np.arange(count)
+    laterals = []
+    for film in description.laterals:
+        if film.body not in [body.name for body in faces.face.bodies]:
+            own = film
+        else:
+            body = faces.face.body_number(film.body)
+            drag = sum(
+                float(found.drag[body]) / cover.gap
+                for found, cover in zip(solved.films, faces.covers, strict=True)
+            )
+            torque = solved.asperity_torque.get(film.body, 0.0)
+            touching = (
+                torque / (solved.shear_speed * abs(ratios[film.body])) if torque > 0.0 else 0.0
+            )
+            own = replace(
+                film,
+                drag=(drag + touching) / film.faces,
+                asperity_share=touching / (drag + touching),
+            )
+        laterals.append(own)
     return replace(
         description,
         families=(*faces.families, sector_family(description, faces)),
@@ -254,9 +271,7 @@ def with_shared_films(
             *shared_paths(moved, solved.films, height),
             *rim_paths(description, moved, sectors),
         ),
-        laterals=tuple(
-            _film(film, faces, solved, ratios[film.body]) for film in description.laterals
-        ),
+        laterals=tuple(laterals),
         journals=tuple(
             without_film_force(j) if j.body == faces.rim.body else j for j in description.journals
         ),
@@ -297,26 +312,6 @@ def solved_covers(
     )
     shear_speed = fluid.dynamic_viscosity * condition.shaft_speed
     return CoverFilms(films, found.places, found.asperity_torque, shear_speed)
-
-
-def _film(
-    film: LumpedLateralFilm, faces: SharedFaces, solved: CoverFilms, ratio: float
-) -> LumpedLateralFilm:
-    """Film of a body with the drag of both covers; asperities count as shear at this speed."""
-    if film.body not in [body.name for body in faces.face.bodies]:
-        return film
-    body = faces.face.body_number(film.body)
-    drag = sum(
-        float(found.drag[body]) / cover.gap
-        for found, cover in zip(solved.films, faces.covers, strict=True)
-    )
-    torque = solved.asperity_torque.get(film.body, 0.0)
-    touching = torque / (solved.shear_speed * abs(ratio)) if torque > 0.0 else 0.0
-    return replace(
-        film,
-        drag=(drag + touching) / film.faces,
-        asperity_share=touching / (drag + touching),
-    )
 
 
 def _moved_up(nodes: IntArray, faces: SharedFaces, count: int) -> IntArray:

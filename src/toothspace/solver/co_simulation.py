@@ -64,7 +64,11 @@ class CoSimulation:
             found = instance.step(time, [self._value(*told[1:], state) for told in unit.told])
             until = unit.keys.step * self._steps[k]
             for (_, what, row), value in zip(unit.sets, found, strict=True):
-                self._lead((what, row), time, until, value)
+                place = (what, row)
+                rows = self._rows(place)
+                present = float(np.interp(time, rows[:, 0], rows[:, 1]))
+                rows[:] = (time, present), (until, value)
+                self._knots.setdefault(place, [(time, present)]).append((until, value))
 
     def history(self, place: Place, given: Array) -> Array:
         """Time and value of what a unit sets, or what the case gives."""
@@ -104,13 +108,6 @@ class CoSimulation:
         if what == "pressure":
             return float(self._system.arrays.node[self._places[node], col.PRESSURE])
         return float(state[1] if what == "speed" else state[0])
-
-    def _lead(self, place: Place, time: float, until: float, value: float) -> None:
-        """Let a history go along a line from its present value to another one."""
-        rows = self._rows(place)
-        present = float(np.interp(time, rows[:, 0], rows[:, 1]))
-        rows[:] = (time, present), (until, value)
-        self._knots.setdefault(place, [(time, present)]).append((until, value))
 
     def _rows(self, place: Place) -> Array:
         """Two rows of time and value that compiled code reads."""

@@ -136,7 +136,12 @@ def march_revolutions(
             # beginning elsewhere costs steps at first order: only where closing takes long
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
-            free = search.closes(piece) if search.moved else _soon_alike(changes)
+            # changes that fall fast enough let the next revolution agree
+            free = (
+                search.closes(piece)
+                if search.moved
+                else (len(changes) > 1 and changes[-1] ** 2 <= changes[-2])
+            )
             search.moved = done >= _PATIENCE and not free and not (search.moved and done >= _HURRY)
             if search.moved:
                 march.restart(float(piece.times[-1]), search.start(piece))
@@ -231,11 +236,6 @@ class _PeriodicSearch:
             ]
         )
         return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
-
-
-def _soon_alike(changes: list[float]) -> bool:
-    """Whether the next revolution is expected to agree, from how the changes fall."""
-    return len(changes) > 1 and changes[-1] ** 2 <= changes[-2]
 
 
 def _stalled(changes: list[float]) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import final
 
@@ -13,7 +13,6 @@ from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.finding import Finding, beyond_too
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
-from toothspace.model.description import FlowPath
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.model.paths import by_kind
 from toothspace.solver.compiled_model import Observation, observe
@@ -161,7 +160,18 @@ class FlowRegimes:
         for range_, highest in self._highest.items():
             beyond = {label: number for label, number in highest.items() if number > range_.limit}
             if beyond:
-                yield _finding(range_, beyond)
+                worst = max(beyond, key=lambda label: beyond[label])
+                found = f"{beyond[worst]:.3g} ({worst})"
+                beside = beyond_too(beyond, worst)
+                yield Finding(
+                    "warning",
+                    f"{range_.number} reaches {found}{beside}; the formulas of {range_.where} are "
+                    f"{range_.reason}, up to {range_.limit:g}.",
+                    quantity=f"{range_.number} of {range_.where}",
+                    found=found,
+                    allowed=f"up to {range_.limit:g}",
+                    advice=range_.advice,
+                )
 
 
 def flow_regimes(history: History) -> Iterator[Finding]:
@@ -170,21 +180,6 @@ def flow_regimes(history: History) -> Iterator[Finding]:
     few = np.ascontiguousarray(states[:: max(len(states) // _LOOKS, 1)])
     regimes.look(few, observe(history.system.arrays, few), len(few))
     return regimes.findings()
-
-
-def _finding(range_: _Range, highest: Mapping[str, float]) -> Finding:
-    worst = max(highest, key=lambda label: highest[label])
-    found = f"{highest[worst]:.3g} ({worst})"
-    beside = beyond_too(highest, worst)
-    return Finding(
-        "warning",
-        f"{range_.number} reaches {found}{beside}; the formulas of {range_.where} are "
-        f"{range_.reason}, up to {range_.limit:g}.",
-        quantity=f"{range_.number} of {range_.where}",
-        found=found,
-        allowed=f"up to {range_.limit:g}",
-        advice=range_.advice,
-    )
 
 
 def _gaps(
@@ -203,22 +198,19 @@ def _gaps(
         throat = path.kind == "orifice" or path.category.role == "mesh"
         if throat or (solved and path.category in LATERAL_PATHS):
             continue
-        width = _width(path, states[:, 0])
+        at = path.phases + path.angle_ratio * states[:, :1]
+        tables = path.own or (path.geometry,)
+        width = (
+            np.asarray(tables[0](at)[..., 1])
+            if len(tables) == 1
+            else np.stack([table(at[:, k])[:, 1] for k, table in enumerate(tables)], axis=1)
+        )
         ends = np.take_along_axis(root, partners[:, members], axis=1)
         viscosity = root[:, path.nodes_a] * ends * path.viscosity_ratio
         flow = np.where(width > _OPEN, flows[:, members], 0.0)
         width = np.maximum(width, _OPEN) * path.multiplicity
         number = gap_reynolds_number(flow, width, viscosity)
         yield path.category.label, float(number.max(initial=0.0))
-
-
-def _width(path: FlowPath, angles: Array) -> Array:
-    """Widths of the gaps of a path, one column each. [m]."""
-    at = path.phases + path.angle_ratio * angles[:, None]
-    tables = path.own or (path.geometry,)
-    if len(tables) == 1:
-        return np.asarray(tables[0](at)[..., 1])
-    return np.stack([table(at[:, k])[:, 1] for k, table in enumerate(tables)], axis=1)
 
 
 def _bearings(system: System, speed: float) -> Iterator[tuple[str, float]]:
@@ -246,12 +238,9 @@ def _lines(system: System, states: Array) -> Iterator[tuple[str, float]]:
     inner = {node.name for node in circuit.nodes}
     for element in circuit.elements:
         if element.states:
-            name = next(end for end in (element.node_a, element.node_b) if _is_cell(end, inner))
+            name = next(
+                end for end in (element.node_a, element.node_b) if ":" in end and end in inner
+            )
             flow = float(np.abs(states[:, first]).max(initial=0.0))
             yield name.partition(":")[0], CRITICAL_REYNOLDS * flow / element.law.critical_flow
         first += element.states
-
-
-def _is_cell(end: str, inner: set[str]) -> bool:
-    """Whether an end of a column is a cell of its line, named after it."""
-    return ":" in end and end in inner

@@ -88,31 +88,24 @@ def _turn_into_contact(system: System, state: Array, pressure: Array) -> None:
             continue
         place = size.position + k
         step = _SEARCH_STEP * arrays.motion[k, col.CLEARANCE]
-        low, high = _bracket(system, state, place, float(torque[k]), step)
+        # rotations at which the sum of torques drives up and down
+        low = high = state[place]
+        for _ in range(_SEARCH_STEPS):
+            state[place] = low
+            if _contact_torque(system, state, place) + torque[k] > 0.0:
+                break
+            low -= step
+        for _ in range(_SEARCH_STEPS):
+            state[place] = high
+            if _contact_torque(system, state, place) + torque[k] < 0.0:
+                break
+            high += step
         for _ in range(60):
             state[place] = 0.5 * (low + high)
             if _contact_torque(system, state, place) + torque[k] > 0.0:
                 low = state[place]
             else:
                 high = state[place]
-
-
-def _bracket(
-    system: System, state: Array, place: int, torque: float, step: float
-) -> tuple[float, float]:
-    """Rotations at which the sum of torques drives up and down."""
-    low = high = state[place]
-    for _ in range(_SEARCH_STEPS):
-        state[place] = low
-        if _contact_torque(system, state, place) + torque > 0.0:
-            break
-        low -= step
-    for _ in range(_SEARCH_STEPS):
-        state[place] = high
-        if _contact_torque(system, state, place) + torque < 0.0:
-            break
-        high += step
-    return low, high
 
 
 def _contact_torque(system: System, state: Array, place: int) -> float:

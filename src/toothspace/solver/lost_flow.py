@@ -25,7 +25,6 @@ from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model import arrays as col
-from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import LEAKAGES, PathRole
 from toothspace.numerics.periodic_table import PeriodicTable
@@ -212,7 +211,9 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
         return {EXCHANGE: lost}
     share = shares(close)
     leakage = path_leakage(close, share)
-    density = _density(system, seen)
+    fluid, node = system.arrays.fluid, system.description.inlet_node
+    mean = float(seen.pressure[:, node].mean())
+    density = float(mixture_density(mean, fluid.feed_gas_mass_fraction, fluid))
     scale = 1.0 / (density * (times[-1] - times[0]))
     parts: dict[str, float] = {}
     for name, flows in zip((PRESSURE, DRAG), leakage, strict=True):
@@ -220,7 +221,19 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
         for k, category in enumerate(system.categories):
             if category.role in LEAKAGES:
                 parts[name + category.name] = scale * float(masses[k])
-    liquid, gas = _kept_masses(system, seen, share, density)
+    # liquid that is compressed beyond the inlet, and (negative) what gas and vapour displace
+    inside, law = slice(0, system.arrays.size.chambers), system.arrays.fluid
+    pressure, free = seen.pressure[:, inside], seen.gas[:, inside]
+    own, volume = seen.density[:, inside], seen.volume[:, inside]
+    void = gas_volume_fraction(pressure, free, law)
+    void = np.minimum(void + vapour_fraction(1.0 / own, pressure, free, law), _MOST_VOID)
+    inlet = float(seen.pressure[:, system.description.inlet_node].mean())
+    fed = float(gas_volume_fraction(inlet, law.feed_gas_mass_fraction, law))
+    missing = -(void - fed) * own / (1.0 - void) * volume
+    mass = (own - density) * volume
+    between = 0.5 * (share[1:, inside] + share[:-1, inside])
+    of_gas = float(np.sum(between * np.diff(missing, axis=0)))
+    liquid, gas = float(np.sum(between * np.diff(mass, axis=0))) - of_gas, of_gas
     parts[COMPRESSION], parts[GAS] = scale * liquid, scale * gas
     # mass that volumes and lines on the working side took up. [kg]
     size, description = system.arrays.size, system.description
@@ -232,31 +245,3 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     parts[PORT_VOLUMES] = scale * float((masses[-1, held] - masses[0, held]).sum())
     parts[EXCHANGE] = lost - sum(parts.values())
     return parts
-
-
-def _density(system: System, seen: Observation) -> float:
-    """Density at the mean pressure of the inlet. [kg/m3]."""
-    fluid, node = system.arrays.fluid, system.description.inlet_node
-    mean = float(seen.pressure[:, node].mean())
-    return float(mixture_density(mean, fluid.feed_gas_mass_fraction, fluid))
-
-
-def _kept_masses(
-    system: System, seen: Observation, share: Array, density: float
-) -> tuple[float, float]:
-    """Mass that chambers on the working side keep beyond the density of the inlet. [kg].
-
-    Liquid that is compressed, and (negative) what free gas and vapour take the place of.
-    """
-    inside, fluid = slice(0, system.arrays.size.chambers), system.arrays.fluid
-    pressure, gas = seen.pressure[:, inside], seen.gas[:, inside]
-    own, volume = seen.density[:, inside], seen.volume[:, inside]
-    void = gas_volume_fraction(pressure, gas, fluid)
-    void = np.minimum(void + vapour_fraction(1.0 / own, pressure, gas, fluid), _MOST_VOID)
-    inlet = float(seen.pressure[:, system.description.inlet_node].mean())
-    fed = float(gas_volume_fraction(inlet, fluid.feed_gas_mass_fraction, fluid))
-    missing = -(void - fed) * own / (1.0 - void) * volume
-    mass = (own - density) * volume
-    mean = 0.5 * (share[1:, inside] + share[:-1, inside])
-    of_gas = float(np.sum(mean * np.diff(missing, axis=0)))
-    return float(np.sum(mean * np.diff(mass, axis=0))) - of_gas, of_gas

@@ -68,6 +68,18 @@ def solution_from(
     ledger = window_ledger(history).with_trapping(close.trapped_losses())
     constants = constants_of(system, ports)
     by_pressure, by_drag = path_leakage(samples, shares(samples))
+    if not has_tooth_contacts(system.description):
+        teeth = {}
+    else:
+        contacts = bodies["contact_force"], bodies["contact_gap"]
+        force, place = tooth_forces(history.states[:, 0], *contacts, system.description)
+        teeth = {"tooth_force": force, "tooth_place": place}
+    # flow that would lose the same power from the high to the low port
+    condition = system.condition
+    span = abs(condition.inlet_pressure - condition.outlet_pressure)
+    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
+    drains = np.array([category.role == "drain" for category in system.categories])
+    flow = seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]]
     values = {
         **ports,
         **constants,
@@ -83,12 +95,12 @@ def solution_from(
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
         "leakage": (by_pressure + by_drag)[:, _leaking(system)]
         / seen.density[:, [system.description.inlet_node]],
-        "equivalent_leakage": _equivalent_leakage(system, seen),
-        "drain_flow_rate": _drain_flow_rate(system, seen),
+        "equivalent_leakage": _by_path(system, power) / (span or np.inf),
+        "drain_flow_rate": np.asarray(flow / seen.density[:, system.description.inlet_node]),
         # at the shaft, of walls that drag fluid to higher pressure
         "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
         **_dense_values(history, close),
-        **_teeth(system.description, history.states[:, 0], bodies),
+        **teeth,
         **extra,
     }
     motor = system.description.mode == "motor"
@@ -109,17 +121,6 @@ def solution_from(
     )
 
 
-def _teeth(
-    description: MachineDescription, angle: Array, bodies: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Contact forces by tooth and where the teeth are; empty for gears."""
-    if not has_tooth_contacts(description):
-        return {}
-    contacts = bodies["contact_force"], bodies["contact_gap"]
-    force, place = tooth_forces(angle, *contacts, description)
-    return {"tooth_force": force, "tooth_place": place}
-
-
 def _dense_values(history: History, close: Look) -> dict[str, Array]:
     """Waves at the ports and extremes of a revolution, from states closer than its samples."""
     system, seen, times = history.system, close.seen, close.history.times
@@ -127,7 +128,18 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
     waves["dense_angle"] = waves.pop("shaft_angle")
     chambers = chamber_values(system, seen)
     found = {name: waves[name] for name in ("inlet_pressure", "outlet_pressure", "shaft_torque")}
-    found |= {f"{port}_flow_rate": _dense_flow(history, close, port) for port in PORTS}
+    flows = {}
+    for port in PORTS:
+        # at all dense states, where the flow has narrow peaks
+        node = node_places(system.description, system.condition)[port]
+        dense = history.dense or DenseStates(history.times, history.states)
+        stored = _stored_rate(system, dense.times, dense.states, port)
+        going, density = _leaving(system, close.seen, node), close.seen.density[:, node]
+        flow = (stored + np.interp(dense.times, times, going)) / np.interp(
+            dense.times, times, density
+        )
+        flows[f"{port}_flow_rate"] = -flow if port == "inlet" else flow
+    found |= flows
     found["chamber_pressure"] = chambers["chamber_pressure"]
     positions = _body_positions(close.history)
     names = [body.name for body in system.description.bodies]
@@ -170,17 +182,6 @@ def _tips(system: System) -> dict[str, slice]:
     return found
 
 
-def _dense_flow(history: History, close: Look, port: str) -> Array:
-    """Flow through a port at all dense states, where it has narrow peaks. [m3/s]."""
-    system, times = history.system, close.history.times
-    node = node_places(system.description, system.condition)[port]
-    dense = history.dense or DenseStates(history.times, history.states)
-    stored = _stored_rate(system, dense.times, dense.states, port)
-    going, density = _leaving(system, close.seen, node), close.seen.density[:, node]
-    flow = (stored + np.interp(dense.times, times, going)) / np.interp(dense.times, times, density)
-    return -flow if port == "inlet" else flow
-
-
 def lateral_values(history: History, seen: Observation) -> dict[str, Array]:
     """Load and leakage of tabulated lateral films; empty without a table."""
     size, table = history.system.arrays.size, history.system.arrays.lateral
@@ -215,7 +216,20 @@ def window_ledger(history: History) -> Ledger:
     valves = entries.pop("circuit") + entries.pop(CIRCUIT_ORIFICE.account, 0.0)
     beyond = 0.0 if system.condition.over_time else valves
     motor = system.description.mode == "motor"
-    mass, energy = _held(system, change)
+    arrays = system.arrays
+    sums: tuple[dict[str, float], ...] = tuple(
+        dict.fromkeys(("inlet", "outlet", "drain"), 0.0) for _ in range(2)
+    )
+    for name, place in node_places(system.description, system.condition).items():
+        if arrays.dynamic_index[place] >= 0:
+            continue
+        gained, gas = change[arrays.balance[place]]
+        pressure, share = arrays.node[place, [col.PRESSURE, col.GAS]]
+        of_liquid, of_gas = partial_enthalpies(pressure, share, arrays.fluid)
+        port = _SIDES.get(name) or ("outlet" if gained > 0.0 else "inlet")
+        sums[0][port] += float(gained)
+        sums[1][port] += float((gained - gas) * of_liquid + gas * of_gas)
+    mass, energy = sums[0], sums[1]
     entries |= {
         "mass_inlet": -mass["inlet"],
         "mass_outlet": mass["outlet"],
@@ -239,24 +253,6 @@ def window_ledger(history: History) -> Ledger:
         float(last[0] - first[0]),
         {c.account: c.account_label for c in system.description.path_categories},
     )
-
-
-def _held(system: System, change: Array) -> tuple[dict[str, float], dict[str, float]]:
-    """Mass [kg] and energy [J] that flowed into nodes of held pressure, by port."""
-    arrays = system.arrays
-    sums: tuple[dict[str, float], ...] = tuple(
-        dict.fromkeys(("inlet", "outlet", "drain"), 0.0) for _ in range(2)
-    )
-    for name, place in node_places(system.description, system.condition).items():
-        if arrays.dynamic_index[place] >= 0:
-            continue
-        mass, gas = change[arrays.balance[place]]
-        pressure, share = arrays.node[place, [col.PRESSURE, col.GAS]]
-        of_liquid, of_gas = partial_enthalpies(pressure, share, arrays.fluid)
-        port = _SIDES.get(name) or ("outlet" if mass > 0.0 else "inlet")
-        sums[0][port] += float(mass)
-        sums[1][port] += float((mass - gas) * of_liquid + gas * of_gas)
-    return sums[0], sums[1]
 
 
 def stored_mass(system: System, state: Array) -> float:
@@ -416,7 +412,15 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["block_position"] = moving
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
-        values["contact_gap"] = _contact_gaps(history)
+        shaft_angle = history.states[:, :1]
+        moved = history.states[:, size.position : size.velocity] @ system.motion_map.T
+        gaps = []
+        for contact in loaded_contacts(system.description, system.condition):
+            angles = contact.phases + contact.angle_ratio * shaft_angle
+            turns = relative_rotation(contact, system.description.motions)
+            rigid = contact.geometry(angles)[..., 0]
+            gaps.append(displaced_gap(contact, angles, turns, moved) if size.compliant else rigid)
+        values["contact_gap"] = np.hstack(gaps)
     winding = system.description.winding
     if winding is not None:
         moments = _tooth_moments(history, seen, values["body_moment"])
@@ -519,40 +523,11 @@ def journal_bodies(system: System) -> list[str]:
     return [motions[free[place]].body for place in places if place < len(free)]
 
 
-def _contact_gaps(history: History) -> Array:
-    """Gaps of all loaded contacts, where the bodies are."""
-    system, size = history.system, history.system.arrays.size
-    shaft_angle = history.states[:, :1]
-    motion = history.states[:, size.position : size.velocity] @ system.motion_map.T
-    gaps = []
-    for contact in loaded_contacts(system.description, system.condition):
-        angles = contact.phases + contact.angle_ratio * shaft_angle
-        turns = relative_rotation(contact, system.description.motions)
-        rigid = contact.geometry(angles)[..., 0]
-        gaps.append(displaced_gap(contact, angles, turns, motion) if size.compliant else rigid)
-    return np.hstack(gaps)
-
-
 def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     """Friction torque [N m] and power [W] by mechanism, at every sample."""
     present = history.system.description.friction_mechanisms
     torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
-
-
-def _equivalent_leakage(system: System, seen: Observation) -> Array:
-    """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
-    condition = system.condition
-    span = abs(condition.inlet_pressure - condition.outlet_pressure)
-    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    return _by_path(system, power) / (span or np.inf)
-
-
-def _drain_flow_rate(system: System, seen: Observation) -> Array:
-    """Flow from the chambers to the drain. [m3/s]."""
-    drains = np.array([category.role == "drain" for category in system.categories])
-    flow = seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]]
-    return np.asarray(flow / seen.density[:, system.description.inlet_node])
 
 
 def _by_path(system: System, values: Array) -> Array:

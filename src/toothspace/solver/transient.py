@@ -109,7 +109,15 @@ class TransientMarch:
         """States at the times; restarts at kinks of schedules and where the shaft switches."""
         parts: list[Array] = []
         begin = times[0] - (times[1] - times[0])
-        for kink in [*self._kinks(begin, times[-1]), None]:
+        end = times[-1]
+        schedule = self.system.condition.speed_schedule
+        circuit = self.system.condition.circuit
+        tables = [e.history for e in circuit.elements] if circuit else []
+        knots = np.unique(np.concatenate([table[:, 0] for table in (schedule, *tables)]))
+        if knots.size > _KINKS:
+            knots = np.unique(schedule[:, 0])
+        own = (float(knot) for knot in knots if begin < knot <= end)
+        for kink in [*sorted({*self.exchange.until(end), *own}), None]:
             until = times.size if kink is None else int(np.searchsorted(times, kink, "right"))
             ahead = times[sum(map(len, parts)) : until]
             if kink is not None and (ahead.size == 0 or ahead[-1] < kink):
@@ -158,16 +166,6 @@ class TransientMarch:
         drive, schedule = self.system.arrays.drive, self.system.arrays.schedule
         first = int(drive[col.SPEED_KNOT])
         return schedule[first : first + 2]
-
-    def _kinks(self, begin: float, end: float) -> list[float]:
-        speed = self.system.condition.speed_schedule
-        circuit = self.system.condition.circuit
-        tables = [e.history for e in circuit.elements] if circuit else []
-        knots = np.unique(np.concatenate([table[:, 0] for table in (speed, *tables)]))
-        if knots.size > _KINKS:
-            knots = np.unique(speed[:, 0])
-        own = (float(knot) for knot in knots if begin < knot <= end)
-        return sorted({*self.exchange.until(end), *own})
 
 
 def settle(system: System, state: Array, time: float) -> None:

@@ -166,11 +166,37 @@ def solve(case: Case, study: BalanceSweepStudy, context: StudyContext) -> StudyR
     """
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
+    held, areas = _claimed(study, loops), _loop_areas(study, loops)
+    plane = _reference(tables, study) * 1e6
+    rows: list[Row] = []
+    for (i, mu), (j, ratio) in product(
+        enumerate(study.friction_coefficient), enumerate(study.balance_ratio)
+    ):
+        gaps = loops[i, j] * 1e6
+        kept = ["yes" if claim else "no" for claim in held[:, i, j]]
+        rows.append((mu, ratio, ratio * plane, float(areas[i, j]), *kept, *map(float, gaps)))
+    points = [f"gap_{k + 1}_um" for k in range(loops.shape[-1])]
+    head = ("friction_coefficient", "balance_ratio", "balanced_area_mm2", "loop_area_um_bar")
+    every = _claimed(study, loops).all(axis=0)
+    areas_ratio = np.asarray(study.balance_ratio)
+    windows = [areas_ratio[held].tolist() for held in np.atleast_2d(every)]
     return StudyResult(
         status=Status.POINTS_FAILED if any(one.unsettled for one in tables) else Status.DONE,
         data=_dataset(study, tables, loops),
-        numbers=_numbers(study, tables, loops),
-        tables=(_table(study, tables, loops),),
+        numbers={
+            "plane_area_mm2": tables[-1].plane_area * 1e6,
+            "reference_area_mm2": _reference(tables, study) * 1e6,
+            "friction_coefficient": list(study.friction_coefficient),
+            "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
+            "highest_ratio_all_claims": [max(w) if w else None for w in windows],
+            "ratios_with_all_claims": windows,
+            "unsettled": {
+                f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
+                for one in tables
+                if one.unsettled
+            },
+        },
+        tables=(StudyTable("ratios", (*head, *CLAIMS, *points), tuple(rows)),),
     )
 
 
@@ -212,7 +238,14 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     plane = lateral_problem(run.machine, run.fluid, lumped.data, rigid)
     back, bearing = problem.loads.back, problem.stack.balance.floating
     difference = back.high - back.low
-    settled = [_row(problem, gap) for gap in GAPS]
+    settled = []
+    for gap in GAPS:
+        held = problem.held_at(float(problem.stack.opening @ problem.stack.start(gap)))
+        found = settle_bearing(held, held.started(gap))
+        own = film_numbers(found.numbers)
+        opening = _opening(problem, found.balance)
+        numbers = {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
+        settled.append((numbers, found.equilibrium.settled and found.warm))
     rows = [row for row, _ in settled]
     unsettled = [] if lumped.status.succeeded else [f"chambers are {lumped.status.name.lower()}"]
     unsettled += [
@@ -231,16 +264,6 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
         carried / difference,
         tuple(unsettled),
     )
-
-
-def _row(problem: LateralProblem, gap: float) -> tuple[dict[str, float], bool]:
-    """Opening force without the balanced area, and numbers of the films at one gap; if settled."""
-    held = problem.held_at(float(problem.stack.opening @ problem.stack.start(gap)))
-    found = settle_bearing(held, held.started(gap))
-    own = film_numbers(found.numbers)
-    opening = _opening(problem, found.balance)
-    numbers = {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
-    return numbers, found.equilibrium.settled and found.warm
 
 
 def _opening(problem: LateralProblem, balance: Balance) -> float:
@@ -381,40 +404,6 @@ def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
         "claim": list(CLAIMS),
     }
     return xr.Dataset(data, coords=coords, attrs={"lifted_gap_um": study.lifted_gap * 1e6})
-
-
-def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> dict[str, Any]:
-    every = _claimed(study, loops).all(axis=0)
-    ratio = np.asarray(study.balance_ratio)
-    windows = [ratio[held].tolist() for held in np.atleast_2d(every)]
-    return {
-        "plane_area_mm2": tables[-1].plane_area * 1e6,
-        "reference_area_mm2": _reference(tables, study) * 1e6,
-        "friction_coefficient": list(study.friction_coefficient),
-        "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
-        "highest_ratio_all_claims": [max(w) if w else None for w in windows],
-        "ratios_with_all_claims": windows,
-        "unsettled": {
-            f"{one.outlet_pressure * 1e-5:.4g} bar": list(one.unsettled)
-            for one in tables
-            if one.unsettled
-        },
-    }
-
-
-def _table(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> StudyTable:
-    held, areas = _claimed(study, loops), _loop_areas(study, loops)
-    plane = _reference(tables, study) * 1e6
-    rows: list[Row] = []
-    for (i, mu), (j, ratio) in product(
-        enumerate(study.friction_coefficient), enumerate(study.balance_ratio)
-    ):
-        gaps = loops[i, j] * 1e6
-        kept = ["yes" if claim else "no" for claim in held[:, i, j]]
-        rows.append((mu, ratio, ratio * plane, float(areas[i, j]), *kept, *map(float, gaps)))
-    points = [f"gap_{k + 1}_um" for k in range(loops.shape[-1])]
-    head = ("friction_coefficient", "balance_ratio", "balanced_area_mm2", "loop_area_um_bar")
-    return StudyTable("ratios", (*head, *CLAIMS, *points), tuple(rows))
 
 
 def figures(data: xr.Dataset) -> list[StudyFigure]:

@@ -384,7 +384,16 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     beside = xr.Dataset()
     if measured is not None:
         beside = overlay(measured, study.sensor_deflection or 0.0)
-        numbers |= _deviations(found, beside)
+        pressure = np.asarray(found.outlet_pressures) * 1e-5
+        at = beside["measured_outlet_pressure_bar"].values
+        # where the measurement has the same steps
+        if at.shape == pressure.shape and not np.any(np.abs(at - pressure) > _SAME * pressure):
+            position = np.asarray(found.summary()["relative_position_um"])
+            deviation = position - beside["measured_relative_position_um"].values
+            numbers |= {
+                "deviation_um": deviation.tolist(),
+                "rms_deviation_um": float(np.sqrt(np.mean(deviation**2))),
+            }
     if study.contact is not None:
         highest = max(point.breakaway_force for point in found.points)
         beside = beside.merge(friction_curves(study.contact, highest))
@@ -518,20 +527,6 @@ def overlay(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Datas
             "measured_relative_position_um": ("measured_point", moved * 1e6, {"units": "um"}),
         }
     )
-
-
-def _deviations(study: LateralStudy, beside: xr.Dataset) -> dict[str, Any]:
-    """Computed less measured positions, where the measurement has the same steps."""
-    pressure = np.asarray(study.outlet_pressures) * 1e-5
-    measured = beside["measured_outlet_pressure_bar"].values
-    if measured.shape != pressure.shape or np.any(np.abs(measured - pressure) > _SAME * pressure):
-        return {}
-    position = np.asarray(study.summary()["relative_position_um"])
-    deviation = position - beside["measured_relative_position_um"].values
-    return {
-        "deviation_um": deviation.tolist(),
-        "rms_deviation_um": float(np.sqrt(np.mean(deviation**2))),
-    }
 
 
 def loop_area(study: LateralStudy) -> float:

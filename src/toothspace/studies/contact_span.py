@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -42,7 +42,7 @@ from toothspace.studies.points import (
     record_arrays,
     status_of,
 )
-from toothspace.studies.study import Record, Study, StudyContext, StudyResult
+from toothspace.studies.study import Study, StudyContext, StudyResult
 from toothspace.studies.variation import PRESSURE
 
 if TYPE_CHECKING:
@@ -135,10 +135,18 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         "tip_clearance": ("point", clearance, {"units": "m"}),
         "pressure_difference": ("point", difference, {"units": "Pa"}),
     }
+    means = {
+        f"mean_{name}_N_m": float(waveforms["mean_torque"].sel(stage=name))
+        for name in waveforms["stage"].values
+    }
+    values = {
+        "tip_clearance_um": [1e6 * clearance for clearance, _ in pairs],
+        "pressure_difference_bar": [1e-5 * difference for _, difference in pairs],
+    }
     return StudyResult(
         status=status_of(records),
         data=waveforms.merge(xr.Dataset(varied | record_arrays(records))),
-        numbers=_numbers(pairs, records, waveforms),
+        numbers={**means, **point_lists(values, records)},
         tables=(numbers_table("contact_span", heads, _NUMBERS, records),),
     )
 
@@ -245,20 +253,6 @@ def _torque(solution: Solution, angle: Array) -> Array:
     return np.asarray(
         np.interp(angle, own, np.asarray(solution.data["shaft_torque"]), period=2.0 * np.pi)
     )
-
-
-def _numbers(
-    pairs: Sequence[tuple[float, float]], records: Sequence[Record], waveforms: xr.Dataset
-) -> dict[str, Any]:
-    means = {
-        f"mean_{name}_N_m": float(waveforms["mean_torque"].sel(stage=name))
-        for name in waveforms["stage"].values
-    }
-    values = {
-        "tip_clearance_um": [1e6 * clearance for clearance, _ in pairs],
-        "pressure_difference_bar": [1e-5 * difference for _, difference in pairs],
-    }
-    return {**means, **point_lists(values, records)}
 
 
 TORQUE_STAGES = (

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
@@ -44,7 +44,6 @@ from toothspace.studies.variation import PRESSURE, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _LEAST_SETTINGS = 2
@@ -151,7 +150,20 @@ def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
     if study.measured is None:
         return xr.Dataset()
     found = read_measured(study.measured)
-    rows = [_measured_point(case, study.measured, row) for row in found.settings]
+    rows = []
+    for row in found.settings:
+        operating, own_speed = operating_point_of(case), None
+        known = {name: getattr(operating, name) for name in ("inlet_pressure", "outlet_pressure")}
+        for key, value in row.items():
+            name = key.removeprefix("operating_point.")
+            if name == "shaft_speed":
+                own_speed = parse_quantity(str(value), "rpm")
+            elif name in known:
+                known[name] = parse_quantity(str(value), "bar")
+        if own_speed is None or len(row) < _LEAST_SETTINGS:
+            needed = "operating_point.shaft_speed and a port pressure of operating_point"
+            raise CaseError(f"{study.measured}: columns", sorted(row), needed)
+        rows.append((own_speed, abs(known["outlet_pressure"] - known["inlet_pressure"])))
     if found.times is not None or not rows:
         allowed = "allowed rows of operating_point.shaft_speed and a port pressure"
         raise CaseError(f"{study.measured}: columns: found signals over time, {allowed}")
@@ -166,21 +178,6 @@ def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
             for name, values in found.channels.items()
         }
     )
-
-
-def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[float, float]:
-    operating, speed = operating_point_of(case), None
-    known = {name: getattr(operating, name) for name in ("inlet_pressure", "outlet_pressure")}
-    for key, value in row.items():
-        name = key.removeprefix("operating_point.")
-        if name == "shaft_speed":
-            speed = parse_quantity(str(value), "rpm")
-        elif name in known:
-            known[name] = parse_quantity(str(value), "bar")
-    if speed is None or len(row) < _LEAST_SETTINGS:
-        allowed = "operating_point.shaft_speed and a port pressure of operating_point"
-        raise CaseError(f"{path}: columns", sorted(row), allowed)
-    return speed, abs(known["outlet_pressure"] - known["inlet_pressure"])
 
 
 _RPM = 60.0 / (2.0 * np.pi)
@@ -249,24 +246,20 @@ def characteristics(data: xr.Dataset) -> Figure:
         for k in spread(data.sizes["shaft_speed"]):
             speed = float(data["shaft_speed"][k]) * _RPM
             axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
-        _overlay(axes, data, name)
+        if f"measured_{name}" in data:
+            shown = list(spread(data.sizes["shaft_speed"]))
+            speeds = data["shaft_speed"].values[shown]
+            lines = [line.get_color() for line in axes.lines]
+            places = data["measured_pressure_difference"].values * 1e-5
+            values = data[f"measured_{name}"].values
+            for own_speed, x, y in zip(
+                data["measured_shaft_speed"].values, places, values, strict=True
+            ):
+                colour = lines[int(np.argmin(np.abs(speeds - own_speed)))]
+                axes.plot(x, y, "x", color=colour, ms=6)
         axes.set(xlabel="Pressure difference (bar)", ylabel=axis_title(name))
     panels[1].legend()
     return figure
-
-
-def _overlay(axes: Axes, data: xr.Dataset, name: str) -> None:
-    """Measured points in the colour of the nearest shaft speed that is shown."""
-    if f"measured_{name}" not in data:
-        return
-    shown = list(spread(data.sizes["shaft_speed"]))
-    speeds = data["shaft_speed"].values[shown]
-    lines = [line.get_color() for line in axes.lines]
-    places = data["measured_pressure_difference"].values * 1e-5
-    values = data[f"measured_{name}"].values
-    for speed, x, y in zip(data["measured_shaft_speed"].values, places, values, strict=True):
-        colour = lines[int(np.argmin(np.abs(speeds - speed)))]
-        axes.plot(x, y, "x", color=colour, ms=6)
 
 
 STUDY = Study(EfficiencyMapStudy, run, figures)

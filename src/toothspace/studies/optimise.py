@@ -182,15 +182,12 @@ class _TriedPoints:
                 self.study.evaluation_count,
             )
             return found.converged
-        return self._evolve()
-
-    def _evolve(self) -> bool:
         from scipy.optimize import differential_evolution
 
         keys, budget = len(self.axes), self.study.evaluation_count
         size = max(5, min(max(10, 5 * keys), budget // 3))
         first = unit_samples(keys, "latin_hypercube", size, self.study.seed)
-        found = differential_evolution(
+        best = differential_evolution(
             lambda shares: np.array([self._cost(record) for record in self._evaluate(shares.T)]),
             [(0.0, 1.0)] * keys,
             init=first,
@@ -202,12 +199,24 @@ class _TriedPoints:
             tol=1e-3,
         )
         # the budget is what the user gave: using it up is no failure
-        return bool(found.success) or "iterations" in str(found.message)
+        return bool(best.success) or "iterations" in str(best.message)
 
     def _evaluate(self, shares: Array) -> list[Record]:
         rows = values_at(self.axes, shares)
         points = [point(self.case, written_values(self.axes, row)) for row in rows]
-        records = evaluate_points(points, self._counting())
+        report, done = self.context.progress, len(self.records)
+        total = self.study.evaluation_count
+        if report is None:
+            context = self.context
+        else:
+
+            def progress(_share: float, text: str) -> None:
+                best = self.best()
+                shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
+                report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
+
+            context = StudyContext(progress, self.context.workers, self.context.records)
+        records = evaluate_points(points, context)
         self.rows += rows
         self.records += records
         study = self.study
@@ -220,20 +229,6 @@ class _TriedPoints:
                 found = f"{missing[0]!r}, which is no result"
                 raise CaseError("study", found, allowed).in_file(self.case.label)
         return records
-
-    def _counting(self) -> StudyContext:
-        """Progress over the whole search instead of one batch."""
-        report, done = self.context.progress, len(self.records)
-        total = self.study.evaluation_count
-        if report is None:
-            return self.context
-
-        def progress(_share: float, text: str) -> None:
-            best = self.best()
-            shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
-            report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
-
-        return StudyContext(progress, self.context.workers, self.context.records)
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

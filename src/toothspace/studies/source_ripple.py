@@ -89,8 +89,46 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.source}: study.line_length: fewer than two lengths could be run")
     source = pulsation_source(_complex(good, "pressure"), _complex(good, "flow"))
     data = _dataset(case, study, source, good, records)
+    columns_of = {name: np.asarray(data[name]) for name in data if data[name].dims == ("harmonic",)}
+    columns: dict[str, Array] = {
+        "harmonic": np.asarray(data["harmonic"]),
+        "order": columns_of["order"],
+        "frequency (Hz)": columns_of["frequency"],
+        "source flow (L/min)": columns_of["source_flow"] * _LITRE_PER_MINUTE,
+        "phase of source flow (deg)": np.degrees(columns_of["source_flow_phase"]),
+        "source impedance (N s/m5)": columns_of["source_impedance"],
+        "phase of source impedance (deg)": np.degrees(columns_of["source_impedance_phase"]),
+        "anechoic pressure ripple (bar)": columns_of["anechoic_pressure"] / _BAR,
+        "blocked pressure ripple (bar)": columns_of["blocked_pressure"] / _BAR,
+        "misfit (%)": 100.0 * columns_of["misfit"],
+    }
+
+    def rms(name: str) -> float:
+        return float(np.sqrt(0.5 * np.sum(np.asarray(data[name]) ** 2)))
+
+    def listed(name: str, factor: float = 1.0) -> list[float]:
+        return (np.asarray(data[name]) * factor).tolist()
+
     return StudyResult(
-        status=status_of(records), data=data, numbers=_numbers(data), tables=(_table(data),)
+        status=status_of(records),
+        data=data,
+        numbers={
+            "source_flow_rms_L_per_min": rms("source_flow") * _LITRE_PER_MINUTE,
+            "anechoic_pressure_rms_bar": rms("anechoic_pressure") / _BAR,
+            "blocked_pressure_rms_bar": rms("blocked_pressure") / _BAR,
+            "largest_misfit_percent": 100.0 * float(np.max(data["misfit"])),
+            "frequency_Hz": listed("frequency"),
+            "source_flow_L_per_min": listed("source_flow", _LITRE_PER_MINUTE),
+            "source_impedance_N_s_per_m5": listed("source_impedance"),
+            "source_impedance_phase_deg": listed("source_impedance_phase", 180.0 / np.pi),
+            "anechoic_pressure_bar": listed("anechoic_pressure", 1.0 / _BAR),
+            "blocked_pressure_bar": listed("blocked_pressure", 1.0 / _BAR),
+            "line_length_m": listed("line_length"),
+            "pressure_ripple_bar": listed("pressure_ripple", 1.0 / _BAR),
+        },
+        tables=(
+            StudyTable.of("source", {head: column.tolist() for head, column in columns.items()}),
+        ),
     )
 
 
@@ -175,46 +213,6 @@ def _dataset(
         },
         coords={"harmonic": harmonic},
     )
-
-
-def _table(data: xr.Dataset) -> StudyTable:
-    values = {name: np.asarray(data[name]) for name in data if data[name].dims == ("harmonic",)}
-    columns: dict[str, Array] = {
-        "harmonic": np.asarray(data["harmonic"]),
-        "order": values["order"],
-        "frequency (Hz)": values["frequency"],
-        "source flow (L/min)": values["source_flow"] * _LITRE_PER_MINUTE,
-        "phase of source flow (deg)": np.degrees(values["source_flow_phase"]),
-        "source impedance (N s/m5)": values["source_impedance"],
-        "phase of source impedance (deg)": np.degrees(values["source_impedance_phase"]),
-        "anechoic pressure ripple (bar)": values["anechoic_pressure"] / _BAR,
-        "blocked pressure ripple (bar)": values["blocked_pressure"] / _BAR,
-        "misfit (%)": 100.0 * values["misfit"],
-    }
-    return StudyTable.of("source", {head: column.tolist() for head, column in columns.items()})
-
-
-def _numbers(data: xr.Dataset) -> dict[str, Any]:
-    def rms(name: str) -> float:
-        return float(np.sqrt(0.5 * np.sum(np.asarray(data[name]) ** 2)))
-
-    def listed(name: str, factor: float = 1.0) -> list[float]:
-        return (np.asarray(data[name]) * factor).tolist()
-
-    return {
-        "source_flow_rms_L_per_min": rms("source_flow") * _LITRE_PER_MINUTE,
-        "anechoic_pressure_rms_bar": rms("anechoic_pressure") / _BAR,
-        "blocked_pressure_rms_bar": rms("blocked_pressure") / _BAR,
-        "largest_misfit_percent": 100.0 * float(np.max(data["misfit"])),
-        "frequency_Hz": listed("frequency"),
-        "source_flow_L_per_min": listed("source_flow", _LITRE_PER_MINUTE),
-        "source_impedance_N_s_per_m5": listed("source_impedance"),
-        "source_impedance_phase_deg": listed("source_impedance_phase", 180.0 / np.pi),
-        "anechoic_pressure_bar": listed("anechoic_pressure", 1.0 / _BAR),
-        "blocked_pressure_bar": listed("blocked_pressure", 1.0 / _BAR),
-        "line_length_m": listed("line_length"),
-        "pressure_ripple_bar": listed("pressure_ripple", 1.0 / _BAR),
-    }
 
 
 _BAR = 1e5

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, final
@@ -35,7 +35,7 @@ from toothspace.studies.points import (
     point_lists,
     status_of,
 )
-from toothspace.studies.study import Record, Row, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.variation import SPEED
 
 if TYPE_CHECKING:
@@ -124,11 +124,24 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     degrees = [math.degrees(angle) for _, angle in pairs]
     heads = {"plateau speed (rpm)": plateaus, "start angle (deg)": degrees}
     axes = {"plateau_speed": (speeds, "rad/s"), "start_angle": (angles, "rad")}
+    pressures = [record.number("breakaway_pressure_bar") for record in records]
+    breakaway = np.array([value for value in pressures if math.isfinite(value)])
+    rows: list[Row] = []
+    if breakaway.size:
+        rows = [
+            (p, 1.0 - float(breakaway.max()) / p, 1.0 - float(breakaway.mean()) / p)
+            for p in _PRESSURES
+            if p > breakaway.max()
+        ]
+    head = ("pressure difference (bar)", "least starting efficiency", "mean starting efficiency")
     return StudyResult(
         status=status_of(records),
         data=map_dataset(axes, records),
         numbers=point_lists({"plateau_speed_rpm": plateaus, "start_angle_deg": degrees}, records),
-        tables=(numbers_table("startup", heads, COLUMNS, records), _starting_torque(records)),
+        tables=(
+            numbers_table("startup", heads, COLUMNS, records),
+            StudyTable("iso_4392_starting_torque", head, tuple(rows)),
+        ),
     )
 
 
@@ -141,21 +154,6 @@ def started(case: Case) -> Mapping[str, Any]:
     if held is not None and math.isnan(found.breakaway_time):
         found = found.short_of(replace(held, severity="serious"))
     return numbers_of(found)
-
-
-def _starting_torque(records: Sequence[Record]) -> StudyTable:
-    """Starting torque over ideal torque: what breakaway leaves, least and mean over the angle."""
-    found = [record.number("breakaway_pressure_bar") for record in records]
-    breakaway = np.array([value for value in found if math.isfinite(value)])
-    rows: list[Row] = []
-    if breakaway.size:
-        rows = [
-            (p, 1.0 - float(breakaway.max()) / p, 1.0 - float(breakaway.mean()) / p)
-            for p in _PRESSURES
-            if p > breakaway.max()
-        ]
-    head = ("pressure difference (bar)", "least starting efficiency", "mean starting efficiency")
-    return StudyTable("iso_4392_starting_torque", head, tuple(rows))
 
 
 _RPM = 60.0 / (2.0 * np.pi)

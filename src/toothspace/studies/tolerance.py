@@ -123,6 +123,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         }
     data = points_dataset(axes, rows, records)
     data.attrs["varied"] = " ".join(keys)
+    limits = study.limits
+    kinds = list(next(iter(scatter.values()), {}))
     return StudyResult(
         status=status_of(records),
         data=data.assign(
@@ -135,7 +137,18 @@ def run(case: Case, context: StudyContext) -> StudyResult:
                 for kind, found in effects.items()
             }
         ),
-        numbers=_numbers(study, records, plain, scatter, effects),
+        numbers={
+            "points": len(records),
+            "points_failed": failed_count(records),
+            **({"share_within_limits": share_within(limits, plain)} if limits else {}),
+            **{kind: {name: found[kind] for name, found in scatter.items()} for kind in kinds},
+            **{
+                kind: {
+                    name: dict(zip(keys, row.tolist(), strict=True)) for name, row in found.items()
+                }
+                for kind, found in effects.items()
+            },
+        },
         tables=(
             StudyTable(
                 "scatter",
@@ -163,28 +176,6 @@ def share_within(limits: Mapping[str, Limit], records: Sequence[Record]) -> floa
         for record in records
     ]
     return float(np.mean(kept))
-
-
-def _numbers(
-    study: ToleranceStudy,
-    records: Sequence[Record],
-    plain: Sequence[Record],
-    scatter: Mapping[str, Mapping[str, float]],
-    effects: Mapping[str, Mapping[str, Array]],
-) -> dict[str, Any]:
-    limits = study.limits
-    keys = list(study.vary)
-    kinds = list(next(iter(scatter.values()), {}))
-    return {
-        "points": len(records),
-        "points_failed": failed_count(records),
-        **({"share_within_limits": share_within(limits, plain)} if limits else {}),
-        **{kind: {name: found[kind] for name, found in scatter.items()} for kind in kinds},
-        **{
-            kind: {name: dict(zip(keys, row.tolist(), strict=True)) for name, row in found.items()}
-            for kind, found in effects.items()
-        },
-    }
 
 
 PERCENTILES = (5.0, 50.0, 95.0)

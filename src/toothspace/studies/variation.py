@@ -222,23 +222,17 @@ def _axis(path: str, given: Any, where: str) -> Axis:
     if not low < high:
         raise CaseError(where, f"from = {low:g} and to = {high:g}", "from below to")
     if "mean" in found:
-        return _normal(path, unit, (low, high), (found["mean"], found["deviation"]), where)
+        mean, deviation = found["mean"], found["deviation"]
+        reach = _LARGEST_DEVIATION * deviation
+        if deviation <= 0.0 or low - mean > reach or mean - high > reach:
+            text = f"mean = {mean:g} and deviation = {deviation:g}"
+            raise CaseError(where, text, "deviation > 0 and limits around the mean")
+        return Axis(path, unit, (), low, high, mean, deviation)
     values: tuple[float, ...] = ()
     if "count" in given:
         values = tuple(np.linspace(low, high, given["count"]).tolist())
         whole = whole and all(float(value).is_integer() for value in values)
     return Axis(path, unit, values, low, high, whole=whole)
-
-
-def _normal(
-    path: str, unit: str, limits: tuple[float, float], shape: tuple[float, float], where: str
-) -> Axis:
-    mean, deviation = shape
-    reach = _LARGEST_DEVIATION * deviation
-    if deviation <= 0.0 or limits[0] - mean > reach or mean - limits[1] > reach:
-        found = f"mean = {mean:g} and deviation = {deviation:g}"
-        raise CaseError(where, found, "deviation > 0 and limits around the mean")
-    return Axis(path, unit, (), *limits, mean, deviation)
 
 
 def _all_whole(given: Sequence[Any]) -> bool:

@@ -184,7 +184,23 @@ def _orders(effort: Effort) -> Evidence:
 
 def _single(effort: Effort) -> Evidence:
     """Ripple of the torque with a single contact beside that with all (Figs. 13 and 14)."""
-    ripples, curves = _ripples()
+    low, whole = f"up to lobe order {_HIGHEST}", "of all orders"
+    ripples: dict[str, dict[str, float]] = {low: {}, whole: {}}
+    over_angle = []
+    for theory in ("all", "single"):
+        more = ("machine.contact.theory=single",) if theory == "single" else ()
+        data = solved(*_PUMP, *more).data
+        angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
+        places, smooth = low_pass(angle, torque, _HIGHEST * _LOBES)
+        ripples[low][theory], ripples[whole][theory] = (
+            ripple_percent(smooth),
+            ripple_percent(torque),
+        )
+        pitch = places - places[0] <= 2.0 * np.pi / _LOBES
+        title, axes = f"Contacts: {theory}, {low}", ("shaft angle (deg)", "torque (N m)")
+        turned = np.degrees(places[pitch] - places[0])
+        over_angle.append(ComparedCurve(title, *axes, turned, smooth[pitch]))
+    curves = tuple(over_angle)
     values = []
     words = "when evaluating torque ripple multiple contact points must be taken into consideration"
     for part, found in ripples.items():
@@ -192,24 +208,6 @@ def _single(effort: Effort) -> Evidence:
         text = f"ripple {part}, single contact over all"
         values.append(within(text, found["single"] / found["all"], "-", words, 1.05))
     return Evidence(tuple(values), curves)
-
-
-def _ripples() -> tuple[dict[str, dict[str, float]], tuple[ComparedCurve, ...]]:
-    """Ripple of the shaft torque with all contacts and with a single one, whole and low orders."""
-    low, whole = f"up to lobe order {_HIGHEST}", "of all orders"
-    found: dict[str, dict[str, float]] = {low: {}, whole: {}}
-    curves = []
-    for theory in ("all", "single"):
-        more = ("machine.contact.theory=single",) if theory == "single" else ()
-        data = solved(*_PUMP, *more).data
-        angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
-        places, smooth = low_pass(angle, torque, _HIGHEST * _LOBES)
-        found[low][theory], found[whole][theory] = ripple_percent(smooth), ripple_percent(torque)
-        pitch = places - places[0] <= 2.0 * np.pi / _LOBES
-        title, axes = f"Contacts: {theory}, {low}", ("shaft angle (deg)", "torque (N m)")
-        turned = np.degrees(places[pitch] - places[0])
-        curves.append(ComparedCurve(title, *axes, turned, smooth[pitch]))
-    return found, tuple(curves)
 
 
 def _closed_forms(effort: Effort) -> Evidence:

@@ -149,13 +149,9 @@ def _second_set(effort: Effort) -> Evidence:
     return Evidence(tuple(values), _curves(study), study.dataset())
 
 
-def _nose_study(effort: Effort) -> LateralStudy:
-    coarse = () if effort == "full" else (*_COARSE, "study.nose_pressure_fractions=[0.0, 0.25]")
-    return solve_path(shipped("nose_pressure", *coarse))
-
-
 def _nose_pressure(effort: Effort) -> Evidence:
-    study = _nose_study(effort)
+    coarse = () if effort == "full" else (*_COARSE, "study.nose_pressure_fractions=[0.0, 0.25]")
+    study = solve_path(shipped("nose_pressure", *coarse))
     positions = _positions(study).reshape(3, -1)
     ranges = np.ptp(positions, axis=1)
     share = np.linspace(0.0, 25.0, positions.shape[1])

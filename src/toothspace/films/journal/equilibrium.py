@@ -66,13 +66,8 @@ def find_equilibrium(
     place = film.eccentricity
     place = place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9))
     film = _sunk(bearing, load, _solve_at(bearing, place, speed))
-    return film if film.status.succeeded else _separated(bearing, load, film)
-
-
-def _separated(
-    bearing: JournalDefinition, load: Array, film: JournalBearingSolution
-) -> JournalBearingSolution:
-    """Say so where the load is more than the liquid carries before its pressure runs away."""
+    if film.status.succeeded:
+        return film
     missing = film.force + load
     room = 1.0 - closeness(film.eccentricity, bearing)
     if bearing.pressure_viscosity == 0.0 or room <= 0.0:
@@ -142,7 +137,14 @@ def _newton(
         error = film.force + load
         if np.hypot(*error) <= tolerance * size:
             return film
-        film = _damped_step(bearing, load, film, _newton_step(film, load))
+        # Newton's step; an empty film has no stiffness and follows the load
+        slope = -film.bearing.radial_clearance * _slope(film, (0, 1))[:2]
+        if np.linalg.cond(slope) > _SINGULAR:
+            step: Array = _LONGEST_STEP * load / np.hypot(*load)
+        else:
+            step = np.linalg.solve(slope, error).astype(np.float64)
+            step *= min(1.0, _LONGEST_STEP / max(float(np.hypot(*step)), 1e-300))
+        film = _damped_step(bearing, load, film, step)
     return replace(film, status=Status.NOT_CONVERGED)
 
 
@@ -154,15 +156,6 @@ def _slope(film: JournalBearingSolution, directions: tuple[int, ...]) -> Array:
         speeds=(False,),
         relative_tolerance=_SLOPE_TOLERANCE,
     )
-
-
-def _newton_step(film: JournalBearingSolution, load: Array) -> Array:
-    """Newton's step over the clearance; an empty film has no stiffness and follows the load."""
-    stiffness = -film.bearing.radial_clearance * _slope(film, (0, 1))[:2]
-    if np.linalg.cond(stiffness) > _SINGULAR:
-        return np.asarray(_LONGEST_STEP * load / np.hypot(*load), dtype=np.float64)
-    step = np.linalg.solve(stiffness, film.force + load)
-    return np.asarray(step * min(1.0, _LONGEST_STEP / max(np.hypot(*step), 1e-300)))
 
 
 def _damped_step(
@@ -231,10 +224,6 @@ def find_tilted_equilibrium(
     return replace(film, status=Status.NOT_CONVERGED)
 
 
-def _at(bearing: JournalDefinition, place: Array, speed: SurfaceSpeed) -> JournalBearingSolution:
-    return solve_motion(bearing, MotionState(place, np.zeros(4)), speed, half=False)
-
-
 def _stepped(
     bearing: JournalDefinition, film: JournalBearingSolution, wanted: Array, size: Array
 ) -> JournalBearingSolution:
@@ -251,6 +240,10 @@ def _stepped(
             break
         step = 0.5 * step
     return trial
+
+
+def _at(bearing: JournalDefinition, place: Array, speed: SurfaceSpeed) -> JournalBearingSolution:
+    return solve_motion(bearing, MotionState(place, np.zeros(4)), speed, half=False)
 
 
 def _nearest(bearing: JournalDefinition, place: Array) -> float:

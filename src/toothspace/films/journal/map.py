@@ -127,17 +127,12 @@ def _scaled(nodes: Array, step: float, ratio: Array) -> Array:
     )
     turn = np.where(mirrored, -turn, turn)
     values = (nodes[..., 0, 0] + 1j * nodes[..., 1, 0]) * np.exp(size + 1j * turn)
-    return _with_slopes(values)
-
-
-def _with_slopes(values: Array) -> Array:
-    """Nodes of a map from its complex values: slopes by differences, per step."""
-    nodes = np.empty((*values.shape, 2, 4))
+    mapped = np.empty((*values.shape, 2, 4))
     by_turn = 0.5 * (np.roll(values, -1, axis=1) - np.roll(values, 1, axis=1))
-    parts = (values, np.gradient(values, axis=0), by_turn, np.gradient(by_turn, axis=0))
-    for k, part in enumerate(parts):
-        nodes[..., 0, k], nodes[..., 1, k] = part.real, part.imag
-    return np.ascontiguousarray(nodes)
+    of_nodes = (values, np.gradient(values, axis=0), by_turn, np.gradient(by_turn, axis=0))
+    for k, part in enumerate(of_nodes):
+        mapped[..., 0, k], mapped[..., 1, k] = part.real, part.imag
+    return np.ascontiguousarray(mapped)
 
 
 def _shear(bearing: JournalBearing, ratio: float) -> float:

@@ -80,26 +80,21 @@ def rim_paths(
         drag_speed=monotone_table(_FULL_TURN, np.full(angle.size, speed)),
         minimum_height=rim.roughness,
     )
-    return (round_it, *_ends(round_it, rim, phases, nodes, faces.face.inner_node))
-
-
-def _ends(
-    path: FlowPath, rim: RimFilm, phases: Array, nodes: IntArray, drain: int
-) -> tuple[FlowPath, ...]:
-    if not rim.open_ends:
-        return ()
-    row = [rim.clearance, _FULL_TURN * rim.radius / nodes.size, rim.length / _END_SHARE]
-    count = path.geometry.values.shape[0]
-    ends = replace(
-        path,
-        name="film_end",
-        nodes_b=np.full(nodes.size, drain),
-        phases=phases,
-        geometry=monotone_table(_FULL_TURN, np.tile(np.array(row), (count, 1))),
-        drag_speed=None,
-        multiplicity=2.0,
-    )
-    return (ends,)
+    ends: tuple[FlowPath, ...] = ()
+    if rim.open_ends:
+        gap = [rim.clearance, _FULL_TURN * rim.radius / nodes.size, rim.length / _END_SHARE]
+        count = round_it.geometry.values.shape[0]
+        through_ends = replace(
+            round_it,
+            name="film_end",
+            nodes_b=np.full(nodes.size, faces.face.inner_node),
+            phases=phases,
+            geometry=monotone_table(_FULL_TURN, np.tile(np.array(gap), (count, 1))),
+            drag_speed=None,
+            multiplicity=2.0,
+        )
+        ends = (through_ends,)
+    return (round_it, *ends)
 
 
 def without_film_force(journal: LumpedJournalBearing) -> LumpedJournalBearing:

@@ -26,7 +26,7 @@ from toothspace.films.journal.geometry import (
     journal_shear,
     lobed,
 )
-from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.equation import FilmGrid
 from toothspace.films.reynolds.fluid import CAVITATION
 from toothspace.films.reynolds.rough_surfaces import (
     SMOOTH,
@@ -67,21 +67,19 @@ def _metric(
     return mesh, journal_grid(mesh, 0.5 * bearing.diameter, grooves, ends)
 
 
-def _needs_supply(bearing: JournalDefinition, motion: MotionState, surface_speed: float) -> bool:
-    if bearing.supply != "auto":
-        return bearing.supply == "widest_gap"
-    if bearing.grooves:
-        return False
-    if bearing.end_condition == "no_flow":
-        return surface_speed != 0.0 or bool(np.any(motion.speed))
-    return surface_speed != 0.0 and bearing.end_pressure <= bearing.cavitation_pressure
-
-
 def _supplied(
     bearing: JournalDefinition, motion: MotionState, surface_speed: float, *, remembered: bool
 ) -> tuple[tuple[Groove, ...], float]:
     """Grooves with the supply line, and the angle at which the grid begins."""
-    if not _needs_supply(bearing, motion, surface_speed):
+    if bearing.supply != "auto":
+        needed = bearing.supply == "widest_gap"
+    elif bearing.grooves:
+        needed = False
+    elif bearing.end_condition == "no_flow":
+        needed = surface_speed != 0.0 or bool(np.any(motion.speed))
+    else:
+        needed = surface_speed != 0.0 and bearing.end_pressure <= bearing.cavitation_pressure
+    if not needed:
         moves = surface_speed != 0.0 or bool(np.any(motion.speed))
         closed = bearing.end_condition == "no_flow" and not bearing.grooves
         if moves and closed and not remembered:
@@ -123,7 +121,14 @@ def solve_field(
     gap = journal_gap(mesh, bearing.radial_clearance, motion)
     if bearing.lobes is not None:
         gap = lobed(gap, mesh, bearing.lobes, bearing.radial_clearance)
-    law, contact = _walls(bearing, speed, gap)
+    surfaces = bearing.surfaces
+    law: FlowLaw = SMOOTH
+    contact: JournalContact | None = None
+    if surfaces is not None:
+        total = speed.shaft + speed.bush
+        law = flow_law(surfaces, (speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
+        pressure, slope = contact_field(gap.centre, surfaces.roughness, contact_table(surfaces))
+        contact = JournalContact(pressure, slope)
     if contact is None:
         lowest = min(float(gap.centre.min()), float(gap.face_x.min()), float(gap.face_y.min()))
         if lowest <= 0.0:
@@ -143,19 +148,6 @@ def solve_field(
         mesh.weight,
     )
     return JournalField(**vars(solve_state(film, start, history)), mesh=mesh, contact=contact)
-
-
-def _walls(
-    bearing: JournalDefinition, speed: SurfaceSpeed, gap: GapField
-) -> tuple[FlowLaw, JournalContact | None]:
-    """Average flow law and asperity pressure; smooth walls have none."""
-    surfaces = bearing.surfaces
-    if surfaces is None:
-        return SMOOTH, None
-    total = speed.shaft + speed.bush
-    law = flow_law(surfaces, (speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
-    pressure, slope = contact_field(gap.centre, surfaces.roughness, contact_table(surfaces))
-    return law, JournalContact(pressure, slope)
 
 
 def contact_load(

@@ -161,7 +161,11 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
     face, (x, y) = grid.face, grid.points
     shaft_angle = turn / face.chambers.angle_ratio
     node, body = face.face_map(shaft_angle, x, y)
-    edge = _edge_numbers(face, node, face.chambers.nearest(shaft_angle, x, y))
+    # edge of every cell: chambers, recesses, inner rim; FILM in the film
+    edge = np.where(node == FILM, FILM, face.chambers.nearest(shaft_angle, x, y))
+    known = [*face.chambers.nodes.tolist(), *face.recesses.tolist(), face.inner_node]
+    for number, own in reversed(list(enumerate(known))):
+        edge[node == own] = number
     # height of the film before every cell, the gap of the face where no body stands. [m]
     least = face.surfaces.roughness if face.surfaces is not None else 0.0
     height = np.full(x.shape, face.gap)
@@ -169,44 +173,20 @@ def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Arr
         plane = lift + about_x * (y - own.center[1]) - about_y * (x - own.center[0])
         height = np.where(body == k, np.maximum(plane, max(least, _LEAST * face.gap)), height)
     cube = (height / face.gap) ** 3
-    matrix, pressure = _solve(grid, edge, _rim_edges(face, grid.table_angle - turn), cube)
-    weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
-    area = [w.ravel() @ pressure for w in weight]
-    shear = np.where(node == FILM, face.gap / height, 0.0)
-    drag = [
-        float(np.sum(w * shear * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2)))
-        for w, b in zip(weight, face.bodies, strict=True)
-    ]
-    return matrix, np.array(area), np.array(drag)
-
-
-def _edge_numbers(face: FilmFace, node: IntArray, nearest: IntArray) -> IntArray:
-    """Edge of every cell: chambers, recesses, inner rim; FILM in the film."""
-    number = np.where(node == FILM, FILM, nearest)
-    known = [*face.chambers.nodes.tolist(), *face.recesses.tolist(), face.inner_node]
-    for edge, own in reversed(list(enumerate(known))):
-        number[node == own] = edge
-    return number
-
-
-def _rim_edges(face: FilmFace, table_angle: Array) -> IntArray | None:
-    """Edges of the rim's sectors at table angles of shaft angle zero; None for a closed rim."""
     if face.sectors == 0:
-        return None
-    phases = face.sector_phases
-    place = (table_angle - phases[0]) * phases.size / _FULL_TURN
-    sector = np.mod(np.floor(place + 0.5).astype(np.int64), phases.size)
-    return np.asarray(face.chambers.nodes.size + face.recesses.size + 1 + sector)
-
-
-def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tuple[Array, Array]:
-    """Conductance matrix of the edges, and pressures of all cells for unit ones at each."""
-    face, film = grid.face, edge == FILM
+        rim = None
+    else:
+        phases = face.sector_phases
+        place = ((grid.table_angle - turn) - phases[0]) * phases.size / _FULL_TURN
+        sector = np.mod(np.floor(place + 0.5).astype(np.int64), phases.size)
+        rim = np.asarray(face.chambers.nodes.size + face.recesses.size + 1 + sector)
+    # conductance matrix of the edges, and pressures of all cells for unit ones at each
+    film = edge == FILM
     inside = int(film.sum())
     edges = face.chambers.nodes.size * (1 + face.sectors) + face.recesses.size + 1
-    number = inside + edge
-    number[film] = np.arange(inside)
-    a, b, g = _links(grid, number, inside, rim, cube)
+    cells = inside + edge
+    cells[film] = np.arange(inside)
+    a, b, g = _links(grid, cells, inside, rim, cube)
     rows, columns = np.concatenate([a, b, a, b]), np.concatenate([a, b, b, a])
     values = np.concatenate([g, g, -g, -g])
     whole = sp.csc_matrix((values, (rows, columns)), shape=(inside + edges, inside + edges))
@@ -217,9 +197,18 @@ def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tu
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
     )
-    pressure = factor.solve(-links.T.toarray())
-    found = whole[inside:, inside:].toarray() + links @ pressure
-    return np.asarray(0.5 * (found + found.T)), np.vstack([pressure, np.eye(edges)])[number.ravel()]
+    unit = factor.solve(-links.T.toarray())
+    found = whole[inside:, inside:].toarray() + links @ unit
+    matrix = np.asarray(0.5 * (found + found.T))
+    pressure = np.vstack([unit, np.eye(edges)])[cells.ravel()]
+    weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
+    area = [w.ravel() @ pressure for w in weight]
+    shear = np.where(node == FILM, face.gap / height, 0.0)
+    drag = [
+        float(np.sum(w * shear * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2)))
+        for w, b in zip(weight, face.bodies, strict=True)
+    ]
+    return matrix, np.array(area), np.array(drag)
 
 
 def _joined(first: Array, second: Array) -> Array:
@@ -319,25 +308,21 @@ class _Paths:
                 self._resting((f"lateral_recesses_{j}_{k}", LATERAL), self.recesses[j], recess)
                 for j in range(k)
             ]
-        return [*found, *self._to_rim()]
-
-    def _to_rim(self) -> list[FlowPath]:
-        """From chambers and recesses to the rim, one path for each sector of a pitch."""
-        found = []
+        joined = []
         per_pitch, first = self.face.sectors, self.rim.chamber
         edges = self.inner.number[0] + 1
         phases = self.face.sector_phases
         for j in range(-per_pitch, 2 * per_pitch):
             sector = np.mod(np.arange(self.count) * per_pitch + j, phases.size)
             rim = _Edges(edges + sector, self.inner.node if self.rim.open_ends else first + sector)
-            found.append(self._turning((f"rim_{j}", RIM), self.chambers, rim))
+            joined.append(self._turning((f"rim_{j}", RIM), self.chambers, rim))
             if 0 <= j < per_pitch:
-                found += [
+                joined += [
                     self._turning((f"rim_{j}_recess_{k}", RIM), rim, recess, phases[sector])
                     for k, recess in enumerate(self.recesses)
                 ]
-        largest = max(_shape(path).max() for path in found)
-        return [path for path in found if _shape(path).max() > _LEAST_FLOW * largest]
+        largest = max(_shape(path).max() for path in joined)
+        return [*found, *[path for path in joined if _shape(path).max() > _LEAST_FLOW * largest]]
 
     def _same(self, number: int, node: int) -> _Edges:
         return _Edges(np.full(self.count, number), np.full(self.count, node))

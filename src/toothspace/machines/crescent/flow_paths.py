@@ -42,7 +42,17 @@ def flow_paths(
     paths = list(flank_paths(assembly, numbering, spaces[0], rounding, roughness))
     for gear, own in enumerate(tooth_spaces(assembly, numbering, spaces)):
         edges, gap = filler_edges(assembly, gear), spec.lateral.side_gap
-        paths.append(_tip_path(assembly, own))
+        # a filler in the housing opens and closes the gap as the gear moves
+        filler, count = spec.filler, own.spaces.angles.size
+        places = -np.pi + FULL_TURN * np.arange(count) / count
+        clearance = (filler.pinion_clearance, filler.ring_clearance)[gear]
+        motion = np.zeros((count, len(MOTIONS)))
+        if filler.compensation == "none":
+            sign = 1.0 if gear == 0 else -1.0
+            motion[:, 2 * gear] = sign * np.sin(places)
+            motion[:, 2 * gear + 1] = -sign * np.cos(places)
+        cover = filler_cover(assembly, gear, places)
+        paths.append(own.tips("tip", _TIPS[gear], clearance, cover, motion, filler.roughness))
         paths.extend(own.port_openings((edges.inlet, edges.outlet)))
         if spec.filler.notch is not None:
             paths.extend(
@@ -75,24 +85,6 @@ def tooth_spaces(
         for own, label in zip(spaces, BODIES, strict=True)
     )
     return pinion, ring
-
-
-def _tip_path(assembly: CrescentAssembly, own: ToothSpaces) -> FlowPath:
-    """Gap between tooth tips and filler, from the space behind to the space ahead.
-
-    A filler in the housing opens and closes the gap as the gear moves; halves that are pressed
-    against the teeth follow the gear.
-    """
-    filler, gear, count = assembly.spec.filler, own.gear, own.spaces.angles.size
-    places = -np.pi + FULL_TURN * np.arange(count) / count
-    clearance = (filler.pinion_clearance, filler.ring_clearance)[gear]
-    motion = np.zeros((count, len(MOTIONS)))
-    if filler.compensation == "none":
-        sign = 1.0 if gear == 0 else -1.0
-        motion[:, 2 * gear] = sign * np.sin(places)
-        motion[:, 2 * gear + 1] = -sign * np.cos(places)
-    cover = filler_cover(assembly, gear, places)
-    return own.tips("tip", _TIPS[gear], clearance, cover, motion, filler.roughness)
 
 
 def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchParameters) -> Array:

@@ -134,16 +134,6 @@ def design_checks(
     journals: Sequence[LumpedJournalBearing],
 ) -> tuple[DesignCheck, ...]:
     """Design-rule report of gears, filler, cross-port leakage and bearings."""
-    return (
-        *_tooth_checks(assembly),
-        *_involute_checks(assembly),
-        *_filler_checks(assembly),
-        *opening_checks(families, paths, displacement(assembly), closing_play(assembly)),
-        *bearing_checks(journals, min(assembly.root_clearances)),
-    )
-
-
-def _tooth_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     fouled, owners = overlap(assembly), ("pinion", "ring")
     module = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0] / np.pi
     checks = [
@@ -157,7 +147,13 @@ def _tooth_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
         checks.append(rules.root_clearance_check(owner, clearance, module, _LEAST_ROOT_CLEARANCE))
     for owner, land in zip(owners, assembly.tip_lands, strict=True):
         checks.append(rules.tip_land_check(owner, land, module))
-    return checks
+    return (
+        *checks,
+        *_involute_checks(assembly),
+        *_filler_checks(assembly),
+        *opening_checks(families, paths, displacement(assembly), closing_play(assembly)),
+        *bearing_checks(journals, min(assembly.root_clearances)),
+    )
 
 
 def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
@@ -166,8 +162,21 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
         return []
     tip, trimmed, backlash = tip_clearance(pair), trimming_distance(assembly), pair.normal_backlash
     first, second = pair.involute_margins
+    # where both contacts stand alike about the pitch point, neither side may be reached
+    sealed = 0.5 * pair.base_pitch * np.cos(pair.operating_pressure_angle)
+    least = float(np.arcsin(sealed / assembly.pinion.root_radius))
+    latest, ports = least + assembly.mesh.half_pitch, assembly.spec.ports
     return [
-        *_recess_checks(assembly, pair),
+        *[
+        DesignCheck(
+            f"begin of the recess, {side}", float(np.rad2deg(start)), "deg",
+            f"{np.rad2deg(least):.3g} to {np.rad2deg(latest):.3g} deg, half a pitch later",
+            least <= start <= latest,
+            "Nearer to the mesh the recess joins outlet and inlet; later the spaces that leave the "
+            "mesh fill through the relief grooves alone, and cavitate.",
+        )
+        for side, start in (("inlet", ports.inlet_start), ("outlet", ports.outlet_start))
+    ],
         rules.interference_check("pinion", first),
         rules.interference_check("ring", second),
         rules.undercut_check("pinion", pair.pinion, pair.pinion_form),
@@ -185,23 +194,6 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
             "normal backlash", backlash * 1e3, "mm", "above 0 mm", backlash > 0.0,
             "Without backlash thermal growth jams the flanks.",
         ),
-    ]  # fmt: skip
-
-
-def _recess_checks(assembly: CrescentAssembly, pair: InternalPair) -> list[DesignCheck]:
-    # where both contacts stand alike about the pitch point, neither side may be reached
-    sealed = 0.5 * pair.base_pitch * np.cos(pair.operating_pressure_angle)
-    least = float(np.arcsin(sealed / assembly.pinion.root_radius))
-    latest, ports = least + assembly.mesh.half_pitch, assembly.spec.ports
-    return [
-        DesignCheck(
-            f"begin of the recess, {side}", float(np.rad2deg(start)), "deg",
-            f"{np.rad2deg(least):.3g} to {np.rad2deg(latest):.3g} deg, half a pitch later",
-            least <= start <= latest,
-            "Nearer to the mesh the recess joins outlet and inlet; later the spaces that leave the "
-            "mesh fill through the relief grooves alone, and cavitate.",
-        )
-        for side, start in (("inlet", ports.inlet_start), ("outlet", ports.outlet_start))
     ]  # fmt: skip
 
 

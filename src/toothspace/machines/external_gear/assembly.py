@@ -86,7 +86,22 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     mesh = _centred_mesh(teeth, distance)
     if pair is None:
-        _check_room(profiles, distance)
+        # closest points of flanks that overlap deeply are none: involutes or outlines tell before
+        tips = [
+            (gear, distance - own.root_radius - other.tip_radius)
+            for gear, own, other in zip(("drive", "driven"), profiles, profiles[::-1], strict=True)
+        ]
+        gear, room = min(tips, key=lambda pair: pair[1])
+        play = normal_play(profiles, distance)
+        if room < -meshing.LARGEST_OVERLAP and room <= play:
+            raise GeometryError(
+                "machine.gears.center_distance",
+                f"{distance * 1e3:.5g} mm: the mating tip reaches {-room * 1e3:.4g} mm into the "
+                f"{gear} gear's root",
+                "a positive root clearance",
+            )
+        if play < -_DEEP_OVERLAP:
+            raise meshing.overlap_error(distance, -play)
     loaded_is_left = spec.keys.mode == "pump"
     return Assembly(
         teeth=teeth,
@@ -126,18 +141,18 @@ def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearP
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     distance, step = 0.5 * (near + far), 0.5e-3 * (near + far)
     for _ in range(12):
-        found = [_play(teeth, distance + d) for d in (0.0, 1e-3 * step)]
+        found = []
+        for d in (0.0, 1e-3 * step):
+            mesh = _centred_mesh(teeth, distance + d)
+            left, right = (
+                meshing.smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False)
+            )
+            found.append(left + right)
         change = (backlash - found[0]) * 1e-3 * step / (found[1] - found[0])
         distance += min(max(change, -step), step)
         if abs(change) < 1e-12:
             break
     return distance
-
-
-def _play(teeth: tuple[Tooth, Tooth], distance: float) -> float:
-    mesh = _centred_mesh(teeth, distance)
-    left, right = (meshing.smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
-    return left + right
 
 
 def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
@@ -150,22 +165,3 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
             f"below {reach * 1e3:.5g} mm (the tip circles must overlap)",
         )
     return meshing.mesh_at_distance(teeth, distance)
-
-
-def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> None:
-    # closest points of flanks that overlap deeply are none: involutes or outlines tell before
-    tips = [
-        (gear, distance - own.root_radius - other.tip_radius)
-        for gear, own, other in zip(("drive", "driven"), profiles, profiles[::-1], strict=True)
-    ]
-    gear, room = min(tips, key=lambda pair: pair[1])
-    play = normal_play(profiles, distance)
-    if room < -meshing.LARGEST_OVERLAP and room <= play:
-        raise GeometryError(
-            "machine.gears.center_distance",
-            f"{distance * 1e3:.5g} mm: the mating tip reaches {-room * 1e3:.4g} mm into the "
-            f"{gear} gear's root",
-            "a positive root clearance",
-        )
-    if play < -_DEEP_OVERLAP:
-        raise meshing.overlap_error(distance, -play)

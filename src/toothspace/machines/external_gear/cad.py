@@ -28,7 +28,6 @@ from toothspace.geometry.gear_finder import (
     find_in_files,
 )
 from toothspace.geometry.gear_pair import normal_play
-from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.pump_sections import (
     MachineFrame,
@@ -197,7 +196,12 @@ def _usual_grooves(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list
     pitch = 2.0 * np.pi * flanks[0].base_radius / counts[0]
     distance = axis_distance(drive, driven) if paired else None
     if distance is None:
-        distance = _meshing_distance(profiles, 2.0 * _BACKLASH * profiles[0].tip_radius / counts[0])
+        backlash = 2.0 * _BACKLASH * profiles[0].tip_radius / counts[0]
+        least = sum(profile.involute.base_radius for profile in profiles if profile.involute)
+        most = sum(profile.tip_radius for profile in profiles)
+        distance = root_between(
+            lambda a: normal_play(profiles, a) - backlash, 1.0001 * least, most, 1e-9
+        )
     spacing = pitch * min(bases / distance, 1.0)
     offset = f"{0.5e3 * spacing:.3g} mm"
     return [
@@ -205,13 +209,6 @@ def _usual_grooves(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list
         draft_line("opening_side_offset", offset, "assumed"),
         draft_line("depth", f"{0.15e3 * pitch:.2g} mm", "assumed"),
     ]
-
-
-def _meshing_distance(profiles: tuple[GearProfile, GearProfile], backlash: float) -> float:
-    """Centre distance of involutes with a normal backlash. [m]."""
-    least = sum(profile.involute.base_radius for profile in profiles if profile.involute)
-    most = sum(profile.tip_radius for profile in profiles)
-    return root_between(lambda a: normal_play(profiles, a) - backlash, 1.0001 * least, most, 1e-9)
 
 
 def _body_keys(

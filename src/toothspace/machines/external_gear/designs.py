@@ -86,25 +86,26 @@ class DesignValues:
             if name not in spec or name not in names:
                 allowed = [f"{t}.{n}" for t in tables for n in names if n in self._keys(t)]
                 raise CaseError(path, "a varied key", f"one of {', '.join(allowed)}")
-            found &= _inside(spec[name][0], values)
+            key = spec[name][0]
+            assert isinstance(key, (Integer, Number, QuantityKey))
+            unit = to_si(1.0, key.unit) if isinstance(key, QuantityKey) else 1.0
+            low = -np.inf if key.low is None else key.low * unit
+            high = np.inf if key.high is None else key.high * unit
+            slack = _ROUNDING * np.abs(values)
+            inside = np.isfinite(values) & (values >= low - slack) & (values <= high + slack)
+            found &= (
+                inside & (values == np.rint(values))
+                if isinstance(key, Integer)
+                else inside
+                if key.above is None
+                else inside & (values > key.above * unit)
+            )
         return found
 
     def _keys(self, table: str) -> Mapping[str, Any]:
         key = keys_of(type(self.machine))[table][0]
         assert isinstance(key, Table)
         return keys_of(key.spec)
-
-
-def _inside(key: Any, values: Array) -> BoolArray:
-    assert isinstance(key, (Integer, Number, QuantityKey))
-    unit = to_si(1.0, key.unit) if isinstance(key, QuantityKey) else 1.0
-    low = -np.inf if key.low is None else key.low * unit
-    high = np.inf if key.high is None else key.high * unit
-    slack = _ROUNDING * np.abs(values)
-    inside = np.isfinite(values) & (values >= low - slack) & (values <= high + slack)
-    if isinstance(key, Integer):
-        return inside & (values == np.rint(values))
-    return inside if key.above is None else inside & (values > key.above * unit)
 
 
 _LARGEST_ANGLE = 1.4
@@ -228,19 +229,16 @@ class GearDesigns(ExternalPair[Array]):
                 },
             )
         )
-        return found | self._interference(found) | self._broken_rules()
-
-    def _interference(self, found: IntArray) -> IntArray:
-        """Pairs whose tips reach below the involute and cut the fillet there."""
         which = np.flatnonzero((np.minimum(*self.involute_margins) < 0.0) & (found == 0))
-        if not which.size:
-            return found
-        drive, driven = self.drive.chosen(which), self.driven.chosen(which)
-        distance, play = self.center_distance[which], np.full(found.shape, np.inf)
-        play[which] = np.minimum(
-            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
-        )
-        return marked(found.shape, {DesignReason.INTERFERENCE: play < -LARGEST_OVERLAP})
+        if which.size:
+            # tips that reach below the involute cut the fillet there
+            first, second = self.drive.chosen(which), self.driven.chosen(which)
+            distance, play = self.center_distance[which], np.full(found.shape, np.inf)
+            play[which] = np.minimum(
+                first.fillet_play(second, distance), second.fillet_play(first, distance)
+            )
+            found |= marked(found.shape, {DesignReason.INTERFERENCE: play < -LARGEST_OVERLAP})
+        return found | self._broken_rules()
 
     def _broken_rules(self) -> IntArray:
         drive, driven, module = self.drive, self.driven, self.drive.module

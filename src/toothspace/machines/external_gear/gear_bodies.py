@@ -171,6 +171,15 @@ def film_face(face: FaceOfGear, gap: float) -> FilmFace:
         Film height as designed. [m]
     """
     spec, numbering, mate = face.assembly.spec, face.numbering, 1 - face.gear
+    surfaces, block = None, spec.floating_block
+    if block is not None:
+        own = (spec.drive, spec.driven)[face.gear]
+        surfaces = FaceSurfaces(
+            moving_roughness=own.roughness,
+            resting_roughness=block.keys.roughness,
+            effective_modulus=reduced_modulus(own.material, block.material),
+            hardness=min(own.material.hardness, block.material.hardness),
+        )
     return FilmFace(
         bodies=tuple(
             FaceBody(BODIES[k], face.sections[k].center, face.sections[k].profile.tip_radius)
@@ -184,21 +193,7 @@ def film_face(face: FaceOfGear, gap: float) -> FilmFace:
         chambers=face.spaces,
         recesses=np.array(list(dict(face.recesses)), dtype=np.int64),
         inner_node=numbering.drain,
-        surfaces=_surfaces(face),
-    )
-
-
-def _surfaces(face: FaceOfGear) -> FaceSurfaces | None:
-    """Roughness of gear and floating bearing; None without that bearing."""
-    spec, block = face.assembly.spec, face.assembly.spec.floating_block
-    if block is None:
-        return None
-    own = (spec.drive, spec.driven)[face.gear]
-    return FaceSurfaces(
-        moving_roughness=own.roughness,
-        resting_roughness=block.keys.roughness,
-        effective_modulus=reduced_modulus(own.material, block.material),
-        hardness=min(own.material.hardness, block.material.hardness),
+        surfaces=surfaces,
     )
 
 

@@ -119,7 +119,15 @@ def own_teeth(
         )
     flanks = _flanks(gears[0], assembly.profiles[0]), _flanks(gears[1], assembly.profiles[1])
     throats = spaces[0].left, spaces[0].right
-    lost = [_narrowed(assembly, flanks, throats[side], side) for side in (0, 1)]
+    # sum of both deviations in the throat of every drive space
+    lost = []
+    for flank in (0, 1):
+        near, far = _radii(assembly, throats[flank])
+        count, rows = assembly.counts[0], []
+        for k in range(count):
+            own = flanks[0].at(flank, _measured(0, k + (1 if flank == 0 else 0), count), near)
+            rows.append(np.asarray(own + flanks[1].at(flank, _measured(1, k, count), far)))
+        lost.append(np.array(rows))
     levers = [
         np.where(side.weight > 0.0, driven_lever(side, assembly.mesh), 0.0) for side in throats
     ]
@@ -180,18 +188,6 @@ def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
 def _radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
     center = np.array([0.0, assembly.mesh.center_distance])
     return np.hypot(*side.drive.point.T), np.hypot(*(side.driven.point - center).T)
-
-
-def _narrowed(
-    assembly: Assembly, flanks: tuple[_Flanks, _Flanks], side: Throats, flank: int
-) -> Array:
-    """Sum of both deviations in the throat of every drive space. [m]."""
-    near, far = _radii(assembly, side)
-    count, rows = assembly.counts[0], []
-    for k in range(count):
-        drive = flanks[0].at(flank, _measured(0, k + (1 if flank == 0 else 0), count), near)
-        rows.append(np.asarray(drive + flanks[1].at(flank, _measured(1, k, count), far)))
-    return np.array(rows)
 
 
 def _sections(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.signals import read_grid
 from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import ReliefGrooves, read_contours
+from toothspace.gearing.gear_tables import read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.cad_import import is_solid
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
@@ -77,6 +77,40 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         in_file = distance_in_file(machine, drive, driven)
     distance = _check_pair(machine, drive, driven, in_file)
     bearing = machine.journal_bearings
+    casing = machine.casing
+    if is_solid(casing.contour):
+        from toothspace.machines.external_gear.part_files import casing_contour
+
+        contour = casing_contour(machine, drive, driven)
+    elif casing.contour is None:
+        contour = None
+    else:
+        contour = read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
+    floating = machine.floating_bearing
+    if floating is None or floating.high_pressure_area is None:
+        block = None
+    else:
+        table, nose = "floating_bearing", floating.nose
+        block = FloatingBlock(
+            keys=floating,
+            material=library_material(floating.material, f"{table}.material"),
+            length=floating.length or machine.journal_bearings.length,
+            arrangement=machine.lateral.arrangement,
+            high_pressure_contour=_only_polygon(
+                floating.high_pressure_area.contour, f"{table}.high_pressure_area.contour"
+            ),
+            nose_contour=_only_polygon(nose and nose.contour, f"{table}.nose.contour"),
+        )
+    grooves = machine.relief_grooves
+    if grooves is None:
+        relief = None
+    elif not is_solid(grooves.contour):
+        relief = grooves.grooves(unit=grooves.contour_unit)
+    else:
+        from toothspace.machines.external_gear.part_files import groove_contours
+
+        polygons, depth = groove_contours(machine, drive, driven, distance)
+        relief = grooves.outlined(polygons, depth, "relief_grooves.contour")
     return ExternalGearSpec(
         keys=machine,
         drive=drive,
@@ -84,9 +118,9 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         center_distance=in_file or machine.gears.center_distance,
         bush=library_material(bearing.material, "journal_bearings.material"),
         seal_torque=seal_torque(machine.seals, bearing.diameter),
-        casing_contour=_casing_contour(machine, drive, driven),
-        grooves=_grooves(machine, drive, driven, distance),
-        floating_block=_floating_block(machine),
+        casing_contour=contour,
+        grooves=relief,
+        floating_block=block,
     )
 
 
@@ -185,48 +219,6 @@ def _deviations(
     except CaseError as error:
         text = f"{table}.tooth_deviations: {error}".replace(str(file), file.name)
         raise GeometryError(text) from error
-
-
-def _casing_contour(machine: ExternalGearTables, drive: Gear, driven: Gear) -> Array | None:
-    casing = machine.casing
-    if is_solid(casing.contour):
-        from toothspace.machines.external_gear.part_files import casing_contour
-
-        return casing_contour(machine, drive, driven)
-    if casing.contour is None:
-        return None
-    return read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
-
-
-def _grooves(
-    machine: ExternalGearTables, drive: Gear, driven: Gear, distance: float
-) -> ReliefGrooves | None:
-    grooves = machine.relief_grooves
-    if grooves is None:
-        return None
-    if not is_solid(grooves.contour):
-        return grooves.grooves(unit=grooves.contour_unit)
-    from toothspace.machines.external_gear.part_files import groove_contours
-
-    polygons, depth = groove_contours(machine, drive, driven, distance)
-    return grooves.outlined(polygons, depth, "relief_grooves.contour")
-
-
-def _floating_block(machine: ExternalGearTables) -> FloatingBlock | None:
-    given = machine.floating_bearing
-    if given is None or given.high_pressure_area is None:
-        return None
-    table, nose = "floating_bearing", given.nose
-    return FloatingBlock(
-        keys=given,
-        material=library_material(given.material, f"{table}.material"),
-        length=given.length or machine.journal_bearings.length,
-        arrangement=machine.lateral.arrangement,
-        high_pressure_contour=_only_polygon(
-            given.high_pressure_area.contour, f"{table}.high_pressure_area.contour"
-        ),
-        nose_contour=_only_polygon(nose and nose.contour, f"{table}.nose.contour"),
-    )
 
 
 def _only_polygon(path: Path | None, key: str) -> Array | None:

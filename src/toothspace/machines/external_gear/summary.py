@@ -28,7 +28,6 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.finding import DesignCheck, warnings_of
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
-from toothspace.gearing.helix import Helix
 from toothspace.gearing.meshing import (
     contact_range,
     contact_ratio,
@@ -99,7 +98,16 @@ def geometry_summary(
         "base_diameter_mm": None if first is None else 2e3 * first,
         "operating_pressure_angle_deg": None if angle is None else float(np.rad2deg(angle)),
         "flow_ripple_percent": 100.0 * ripple,
-        **(_enclosed(assembly, spaces) if helix is None else _helix_numbers(assembly, helix)),
+        **(
+            _enclosed(assembly, spaces)
+            if helix is None
+            else {
+                "helix_angle_deg": float(np.rad2deg(helix.angle)),
+                "face_twist_deg": float(np.rad2deg(helix.twist)),
+                "overlap_ratio": helix.overlap_ratio,
+                "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
+            }
+        ),
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
@@ -108,37 +116,6 @@ def geometry_summary(
 def _enclosed(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
     trapped, dead = trapped_volumes(assembly, spaces)
     return {"trapped_volume_mm3": trapped * 1e9, "dead_volume_mm3": dead * 1e9}
-
-
-def _helix_numbers(assembly: Assembly, helix: Helix) -> dict[str, object]:
-    """How the teeth wind; no volume is enclosed over the whole width at once."""
-    return {
-        "helix_angle_deg": float(np.rad2deg(helix.angle)),
-        "face_twist_deg": float(np.rad2deg(helix.twist)),
-        "overlap_ratio": helix.overlap_ratio,
-        "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
-    }
-
-
-def _helix_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Whether a tooth space that follows the helix is shut between the ports at the bores."""
-    helix = assembly.spec.helix
-    if helix is None:
-        return ()
-    checks = []
-    for gear, name in enumerate(("drive", "driven")):
-        casing, ratio = bore(assembly, gear), 1.0 if gear == 0 else assembly.mesh.ratio
-        sealed = 2.0 * np.pi - casing.inlet_angle - casing.outlet_angle - helix.twist * ratio
-        teeth = float(sealed / assembly.teeth[gear].pitch_angle)
-        checks.append(
-            DesignCheck(
-                f"teeth that seal along the helix, {name} gear", teeth, "1", "at least 1",
-                teeth >= 1.0,
-                "A tooth space that still meets the inlet at one end while the other end is open "
-                "to the outlet joins both ports: less helix, a narrower gear or a longer bore.",
-            )
-        )  # fmt: skip
-    return tuple(checks)
 
 
 def tooth_data(assembly: Assembly) -> dict[str, object]:
@@ -340,11 +317,42 @@ def design_checks(
     short, *opened = opening_checks(families, paths, displacement(assembly), 0.0, mesh.condition)
     if not short.passed and assembly.spec.helix is None:
         short = replace(short, reason=short.reason + sealing_edge(mesh))
+    spec = assembly.spec
+    running_in: tuple[DesignCheck, ...] = ()
+    # trapping and strength, where the machine has a condition to judge them at
+    if spec.keys.casing.wear_in is not None:
+        bearing = spec.keys.journal_bearings
+        running_in = (
+            *(trapping_checks(mesh) if spec.helix is None else ()),
+            *strength_checks(
+                assembly,
+                assembly.profiles,
+                (spec.drive.material, spec.driven.material),
+                (bearing.diameter, bearing.length),
+                mesh.condition,
+            ),
+        )
+    helix = assembly.spec.helix
+    winding: list[DesignCheck] = []
+    if helix is not None:
+        for gear, name in enumerate(("drive", "driven")):
+            casing, ratio = bore(assembly, gear), 1.0 if gear == 0 else assembly.mesh.ratio
+            sealed = 2.0 * np.pi - casing.inlet_angle - casing.outlet_angle - helix.twist * ratio
+            teeth = float(sealed / assembly.teeth[gear].pitch_angle)
+            winding.append(
+                DesignCheck(
+                    f"teeth that seal along the helix, {name} gear", teeth, "1", "at least 1",
+                    teeth >= 1.0,
+                    "A tooth space that still meets the inlet at one end while the other end is "
+                    "open to the outlet joins both ports: less helix, a narrower gear or a longer "
+                    "bore.",
+                )
+            )  # fmt: skip
     return (
         *_tooth_checks(assembly),
-        *_helix_checks(assembly),
+        *winding,
         casing_cut_check(assembly),
-        *_running_in_checks(assembly, mesh),
+        *running_in,
         short,
         *opened,
         *bearing_checks(journals, min(assembly.root_clearances)),
@@ -377,55 +385,37 @@ def _groove_openings(
     return grooves_by_port(moved, spaces)
 
 
-def _running_in_checks(assembly: Assembly, mesh: EnclosedMesh) -> tuple[DesignCheck, ...]:
-    """Trapping and strength, where the machine has a condition to judge them at."""
-    spec = assembly.spec
-    if spec.keys.casing.wear_in is None:
-        return ()
-    bearing = spec.keys.journal_bearings
-    return (
-        *(trapping_checks(mesh) if spec.helix is None else ()),
-        *strength_checks(
-            assembly,
-            assembly.profiles,
-            (spec.drive.material, spec.driven.material),
-            (bearing.diameter, bearing.length),
-            mesh.condition,
-        ),
-    )
-
-
 def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Geometry of the teeth, given by parameters or in files."""
     if assembly.pair is not None:
         vented = assembly.spec.grooves is not None
         return pair_checks(assembly.pair, assembly.face_width, vented=vented)
     clearance = min(assembly.root_clearances)
+    data, distance = gear_data(assembly.profiles[0]), assembly.mesh.center_distance
+    of_mesh: tuple[DesignCheck, ...] = ()
+    if data is not None:
+        play = normal_play(assembly.profiles, distance)
+        grooved = assembly.spec.grooves is not None
+        of_mesh = (
+            backlash_check(play, data.module, distance),
+            DesignCheck(
+                "relief grooves",
+                float(grooved),
+                "1",
+                "grooves on both sides of the mesh",
+                grooved,
+                "Fluid enclosed between two contacts is squeezed and stretched; unless grooves "
+                "vent it, pressure peaks load the bearings and then cavitation erodes the flanks.",
+            ),
+        )
     return (
         contact_ratio_check(contact_ratio(assembly)),
         DesignCheck(
             "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
             "Bearing play moves the gears together, so the mating tip needs room in the root.",
         ),
-        *_drawn_mesh_checks(assembly),
+        *of_mesh,
         *profile_checks(assembly),
-    )  # fmt: skip
-
-
-def _drawn_mesh_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Backlash and relief of teeth from files whose module is known."""
-    data, distance = gear_data(assembly.profiles[0]), assembly.mesh.center_distance
-    if data is None:
-        return ()
-    play = normal_play(assembly.profiles, distance)
-    grooved = assembly.spec.grooves is not None
-    return (
-        backlash_check(play, data.module, distance),
-        DesignCheck(
-            "relief grooves", float(grooved), "1", "grooves on both sides of the mesh", grooved,
-            "Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
-            "it, pressure peaks load the bearings and then cavitation erodes the flanks.",
-        ),
     )  # fmt: skip
 
 

@@ -166,8 +166,26 @@ def _contact(rotors: Rotors, closest: ClosestPoints, branch: Branch, nodes: int)
         for column in values.reshape(alive, -1).T:
             column[~known] = np.interp(here[~known], here[known], column[known])
     if not branch.closed:
-        _fade(columns["gap"], columns["gap_rate"], rotors.pitch / nodes, rotors.eccentricity)
-    columns["rolling_sum"] = _rolling(rotors, columns, branch.closed, nodes)
+        gap = columns["gap"]
+        rate = columns["gap_rate"]
+        count = min(_FADING_NODES, gap.size // 2)
+        extra, slope, _ = fading(np.arange(1, count + 1), rotors.pitch / nodes, rotors.eccentricity)
+        loaded = (_FOLLOWED - _FADED) * rotors.eccentricity
+        if gap[-1] < loaded:
+            gap[-count:] += extra
+            rate[-count:] += slope
+        if gap[0] < loaded:
+            gap[:count] += extra[::-1]
+            rate[:count] -= slope[::-1]
+    point, along_normal, reach = columns["outer_point"], columns["normal"], _SPEED_NODES
+    padded = np.pad(point, ((reach, reach), (0, 0)), mode="wrap" if branch.closed else "edge")
+    moved = (padded[2 * reach :] - padded[: -2 * reach]) / (2 * reach * rotors.pitch / nodes)
+    along = -moved[:, 0] * along_normal[:, 1] + moved[:, 1] * along_normal[:, 0]
+    on_inner = columns["inner_point"] + [0.0, rotors.eccentricity]
+    speeds = np.sum((point + rotors.turns * on_inner) * along_normal, axis=1)
+    columns["rolling_sum"] = np.maximum(
+        np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity
+    )
     place, near = number % (copies * nodes), np.zeros(copies * nodes, dtype=bool)
     near[place] = True
     whole = {name: np.repeat(v[-1:], near.size, axis=0) for name, v in columns.items()}
@@ -181,23 +199,6 @@ def _radius(curvature: Array, eccentricity: float) -> Array:
     low, high = (part * eccentricity for part in _RADIUS_RANGE)
     size = np.clip(np.abs(curvature), 1.0 / high, 1.0 / low)
     return np.asarray(np.copysign(1.0 / size, curvature), dtype=float)
-
-
-def _fade(gap: Array, rate: Array, step: float, eccentricity: float) -> None:
-    """Open the gap of a contact before it merges with another one.
-
-    Where two closest places become one, one ends at a gap that may carry load; its load has
-    to pass to the other without a jump.
-    """
-    count = min(_FADING_NODES, gap.size // 2)
-    extra, slope, _ = fading(np.arange(1, count + 1), step, eccentricity)
-    loaded = (_FOLLOWED - _FADED) * eccentricity
-    if gap[-1] < loaded:
-        gap[-count:] += extra
-        rate[-count:] += slope
-    if gap[0] < loaded:
-        gap[:count] += extra[::-1]
-        rate[:count] -= slope[::-1]
 
 
 def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, Array, float]:
@@ -223,17 +224,6 @@ def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, A
     faded = _FADED * eccentricity
     extra = np.where(part > 1.0, apart, faded * part**2)
     return extra, 2.0 * faded * part / (_FADING_NODES * step), apart
-
-
-def _rolling(rotors: Rotors, columns: dict[str, Array], closed: bool, nodes: int) -> Array:
-    """Sum of the surface speeds relative to the moving contact point. [m/rad]."""
-    point, normal, reach = columns["outer_point"], columns["normal"], _SPEED_NODES
-    outer = np.pad(point, ((reach, reach), (0, 0)), mode="wrap" if closed else "edge")
-    moved = (outer[2 * reach :] - outer[: -2 * reach]) / (2 * reach * rotors.pitch / nodes)
-    along = -moved[:, 0] * normal[:, 1] + moved[:, 1] * normal[:, 0]
-    arm = columns["inner_point"] + [0.0, rotors.eccentricity]
-    speeds = np.sum((point + rotors.turns * arm) * normal, axis=1)
-    return np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity)
 
 
 def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
@@ -409,7 +399,19 @@ def _advance(
     old = list(tracks.values())
     following: dict[int, _Track] = {}
     reach = _FARTHEST * rotors.eccentricity
-    pairs = _nearest_pairs([track.ahead() for track in old], places, lengths, reach)
+    expected = [track.ahead() for track in old]
+    # in the order of their distance, each side used once, none too far
+    pairs: dict[int, int] = {}
+    if expected and places.size:
+        difference = np.array(expected)[:, None, :] - places[None, :, :]
+        difference -= lengths * np.round(difference / lengths)
+        far = np.hypot(difference[..., 0], difference[..., 1])
+        for flat in np.argsort(far, axis=None):
+            k, other = divmod(int(flat), places.shape[0])
+            if far[k, other] > reach:
+                break
+            if k not in pairs and other not in pairs.values():
+                pairs[k] = other
     for k, track in enumerate(old):
         if k in pairs:
             j = pairs[k]
@@ -425,25 +427,6 @@ def _advance(
     for j in set(range(rows.size)) - set(pairs.values()):
         following[int(rows[j])] = _Track(int(rows[j]), places[j])
     return following
-
-
-def _nearest_pairs(
-    expected: list[Array], places: Array, lengths: Array, reach: float
-) -> dict[int, int]:
-    """Pairs in the order of their distance, each side used once, none beyond ``reach``."""
-    if not expected or not places.size:
-        return {}
-    difference = np.array(expected)[:, None, :] - places[None, :, :]
-    difference -= lengths * np.round(difference / lengths)
-    far = np.hypot(difference[..., 0], difference[..., 1])
-    pairs: dict[int, int] = {}
-    for flat in np.argsort(far, axis=None):
-        k, j = divmod(int(flat), places.shape[0])
-        if far[k, j] > reach:
-            break
-        if k not in pairs and j not in pairs.values():
-            pairs[k] = j
-    return pairs
 
 
 def branches(closest: ClosestPoints, successor: IntArray, nodes: int) -> list[Branch]:

@@ -76,7 +76,16 @@ def _pair(
     ]
     geometry = monotone_table(contact.period, np.column_stack(columns))
     geometry.slopes[:, 0] = np.where(contact.near, contact.gap_rate, 0.0)
-    back, by_motion = _from_nominal(rotors, contact, moved, turn)
+    by_shifts, mixed, by_turns = contact.second_derivatives(rotors.eccentricity).T
+    shift = np.sum(contact.outer_point * contact.normal, axis=1) * turn
+    by_shift, by_turn = by_shifts * shift + mixed * turn, mixed * shift + by_turns * turn
+    back = np.zeros((contact.gap.size, len(CONTACT_CHANNELS)))
+    back[:, 0] = 0.5 * (by_shift * shift + by_turn * turn) - contact.lever * turn
+    back[~contact.near] = 0.0
+    along = _by_motion(rotors, contact, moved, along=True)
+    about = np.array([float(m.body == BODIES[1] and m.axis == "rotation") for m in moved])
+    at_place = _by_motion(rotors, contact, moved, along=False)
+    by_motion = at_place - by_shift[:, None] * along - by_turn[:, None] * about
     geometry = sum_of_tables(geometry, monotone_table(contact.period, back))
     # wide clearances leave more at nominal place than what tells surfaces that face away
     apart = max(float(contact.gap.max()), _WIDER * float(geometry.values[contact.near, 0].max()))
@@ -106,25 +115,6 @@ def _pair(
         squeeze_film=settings.squeeze_film == "on",
         facing_gap=apart,
     )
-
-
-def _from_nominal(
-    rotors: Rotors, contact: LobeContact, moved: tuple[Motion, ...], turn: float
-) -> tuple[Array, Array]:
-    """What a contact of turned rotors has at nominal place: added geometry, derivatives of the gap.
-
-    Both to second order, as at any other place.
-    """
-    by_shifts, mixed, by_turns = contact.second_derivatives(rotors.eccentricity).T
-    shift = np.sum(contact.outer_point * contact.normal, axis=1) * turn
-    by_shift, by_turn = by_shifts * shift + mixed * turn, mixed * shift + by_turns * turn
-    back = np.zeros((contact.gap.size, len(CONTACT_CHANNELS)))
-    back[:, 0] = 0.5 * (by_shift * shift + by_turn * turn) - contact.lever * turn
-    back[~contact.near] = 0.0
-    along = _by_motion(rotors, contact, moved, along=True)
-    about = np.array([float(m.body == BODIES[1] and m.axis == "rotation") for m in moved])
-    by_motion = _by_motion(rotors, contact, moved, along=False)
-    return back, by_motion - by_shift[:, None] * along - by_turn[:, None] * about
 
 
 def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:

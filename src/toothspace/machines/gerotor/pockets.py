@@ -106,7 +106,17 @@ def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
             f"below {_OVERLAP_LIMIT * 1e3:.2g} mm",
         )
     rate = _area_rate(rotors, path, per_pitch // 2)
-    area = _integrated(parameters, rotors, count, rate)
+    growth = rate
+    finer = 1 if parameters.kind is None else _FINER
+    place = FULL_TURN * np.arange(count * finer + 1) / (count * finer)
+    if finer > 1:
+        fine = lobe_path(parameters, rotors, place[:-1])
+        half = finer * count // (2 * rotors.outer_tooth_count)
+        growth = _area_rate(rotors, fine, half)
+    growth = growth - float(np.mean(growth))
+    spline = scipy.interpolate.CubicSpline(place, np.append(growth, growth[0]), bc_type="periodic")
+    total = spline.antiderivative()(place[:-1:finer])
+    area = np.asarray(total / rotors.speed_ratio, dtype=float)
     enclosed = signed_area(rotors.outer) - signed_area(rotors.inner)
     area += enclosed / rotors.outer_tooth_count - float(np.mean(area))
     return Pockets(rotors, path, area, rate)
@@ -117,19 +127,6 @@ def _area_rate(rotors: Rotors, path: LobePath, half_pitch_nodes: int) -> Array:
     outer = np.sum(path.point**2, axis=1)
     swept = 0.5 * (inner - rotors.speed_ratio * outer)
     return np.roll(swept, -half_pitch_nodes) - np.roll(swept, half_pitch_nodes)
-
-
-def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: Array) -> Array:
-    finer = 1 if parameters.kind is None else _FINER
-    place = FULL_TURN * np.arange(count * finer + 1) / (count * finer)
-    if finer > 1:
-        fine = lobe_path(parameters, rotors, place[:-1])
-        half = finer * count // (2 * rotors.outer_tooth_count)
-        rate = _area_rate(rotors, fine, half)
-    rate = rate - float(np.mean(rate))
-    spline = scipy.interpolate.CubicSpline(place, np.append(rate, rate[0]), bc_type="periodic")
-    total = spline.antiderivative()(place[:-1:finer])
-    return np.asarray(total / rotors.speed_ratio, dtype=float)
 
 
 def area_by_motion(pocket: Pockets) -> Array:
@@ -201,8 +198,17 @@ def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> Lobe
         )
     if parameters.kind == "cycloidal":
         return _cycloidal(rotors, place)
-    # throats where a lobe comes closest to the inner rotor
-    lobe, step = _lobe_samples(rotors)
+    # throats where a lobe comes closest to the inner rotor; beside the lobe there are none
+    curve = rotors.outer_curve
+    step = curve.length / (rotors.outer_tooth_count * _LOBE_SAMPLES)
+    points = np.asarray(curve.tree.data)
+    cavity = float(curve.nearest(points[[np.argmin(points[:, 1])]])[0])
+    over_lobe = cavity + step * (np.arange(_LOBE_SAMPLES) + 0.5)
+    concave = np.flatnonzero(curve.curvature(np.asarray(over_lobe, dtype=float)) >= 0.0)
+    middle = _LOBE_SAMPLES // 2
+    first = int(concave[concave < middle].max(initial=-1)) + 1
+    last = int(concave[concave > middle].min(initial=_LOBE_SAMPLES))
+    lobe = np.asarray(over_lobe[first:last])
     turn = place - 0.5 * rotors.pitch
     angle, along = np.broadcast_arrays(turn[:, None], lobe)
     gap, _, normal, point = _throats(rotors, angle, along)
@@ -263,20 +269,3 @@ def _throats(rotors: Rotors, angle: Array, along: Array) -> tuple[Array, Array, 
     tangent = turned(rotors.inner_curve.tangent(inner), rotors.turns * angle)
     normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
     return gap, inner, normal, turned(rotors.outer_curve.point(along), angle)
-
-
-def _lobe_samples(rotors: Rotors) -> tuple[Array, float]:
-    """Arc lengths over the lobe that follows the cavity on the negative y axis, and their step.
-
-    The cavity floor beside the lobe is concave: no throat between pockets lies there.
-    """
-    outer = rotors.outer_curve
-    step = outer.length / (rotors.outer_tooth_count * _LOBE_SAMPLES)
-    points = np.asarray(outer.tree.data)
-    cavity = float(outer.nearest(points[[np.argmin(points[:, 1])]])[0])
-    along = cavity + step * (np.arange(_LOBE_SAMPLES) + 0.5)
-    concave = np.flatnonzero(outer.curvature(np.asarray(along, dtype=float)) >= 0.0)
-    middle = _LOBE_SAMPLES // 2
-    first = int(concave[concave < middle].max(initial=-1)) + 1
-    last = int(concave[concave > middle].min(initial=_LOBE_SAMPLES))
-    return np.asarray(along[first:last]), step

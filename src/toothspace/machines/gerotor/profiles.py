@@ -448,7 +448,22 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
     if given not in (0, inner.tooth_count):
         found = f"{given}, but {inner.tooth_count} teeth in the profile"
         raise CaseError("rotors.inner_tooth_count", found, "that of the profile, or none")
-    _check_unit(parameters.profile_unit, outer, outer_diameter)
+    size = float(np.ptp(outer.curve, axis=0).max())
+    if not (_LEAST_OF_RIM * outer_diameter < size < outer_diameter):
+        scales = {name: to_si(1.0, name) / to_si(1.0, parameters.profile_unit) for name in _UNITS}
+        fits = [
+            n
+            for n, s in scales.items()
+            if _LEAST_OF_RIM * outer_diameter < size * s < outer_diameter
+        ]
+        if len(fits) == 1:
+            raise CaseError(
+                "rotors.profile_unit",
+                f"{parameters.profile_unit!r}, with which the outer rotor's lobes span "
+                f"{1e3 * size:.5g} mm",
+                f"{fits[0]!r}, with which it is {1e3 * size * scales[fits[0]]:.5g} mm "
+                "and fits the rim",
+            )
     eccentricity = parameters.eccentricity or drawn_eccentricity(inner, outer)
     if not eccentricity:
         reason = "compulsory unless the rotors are drawn apart on parallel axes"
@@ -467,20 +482,6 @@ def _drawn(parameters: RotorParameters) -> tuple[DrawnRotor, DrawnRotor]:
     assert parameters.outer_profile is not None
     unit = to_si(1.0, parameters.profile_unit)
     return rotor_pair(parameters.inner_profile, parameters.outer_profile, unit)
-
-
-def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
-    size = float(np.ptp(outer.curve, axis=0).max())
-    if _LEAST_OF_RIM * diameter < size < diameter:
-        return
-    scales = {name: to_si(1.0, name) / to_si(1.0, unit) for name in _UNITS}
-    fits = [n for n, s in scales.items() if _LEAST_OF_RIM * diameter < size * s < diameter]
-    if len(fits) == 1:
-        raise CaseError(
-            "rotors.profile_unit",
-            f"{unit!r}, with which the outer rotor's lobes span {1e3 * size:.5g} mm",
-            f"{fits[0]!r}, with which it is {1e3 * size * scales[fits[0]]:.5g} mm and fits the rim",
-        )
 
 
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:

@@ -169,6 +169,12 @@ def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
     loads = [(s.force, s.x, s.y) for s in block.keys.springs]
     loads += [(block.keys.seal_preload, *middle)] if block.keys.seal_preload > 0.0 else []
     mass = block.keys.mass or face.area * block.length * block.material.density
+    if block.keys.wall_stiffness is not None:
+        held = block.keys.wall_stiffness
+    else:
+        left, _, right, _ = face.bounds
+        area, layer = block.keys.housing.area, 0.5 * float(right - left)
+        held = block.material.elastic_modulus * area * block.length**2 / (12.0 * layer)
     return FloatingBearing(
         mass=float(mass),
         face=_patch(face),
@@ -178,20 +184,8 @@ def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
         housing=_housing(block, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
         axial_play=block.keys.axial_play,
-        wall_stiffness=_held_by_wall(block, face),
+        wall_stiffness=held,
     )
-
-
-def _held_by_wall(block: FloatingBlock, face: Any) -> float:
-    """Moment over tilt about y by the wall, of a block that it compresses over half its width.
-
-    A layer of modulus E and thickness t on an area A of length L: E A L^2 / (12 t).
-    """
-    if block.keys.wall_stiffness is not None:
-        return block.keys.wall_stiffness
-    low, _, high, _ = face.bounds
-    area, layer = block.keys.housing.area, 0.5 * float(high - low)
-    return block.material.elastic_modulus * area * block.length**2 / (12.0 * layer)
 
 
 def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
@@ -336,7 +330,31 @@ class ElasticAssembly:
         Raises GeometryError if a body has a shape that cannot be swept, or a half of a bearing a
         file.
         """
-        made = {p.name: self._from_file(p.side, self._bearing(p), p.half) for p in self._parts()}
+        made = {}
+        for p in self._parts():
+            own, moves = self._block, self._block.is_floating(p.side)
+            back = None
+            if moves:
+                # high-pressure area with its seal, nose and springs
+                high = self._on(p, self.high_pressure)
+                nose = self._on(p, nose_outline(own))
+                areas = {"high": high} if high.area > 0.0 else {}
+                lines = {}
+                if own.keys.seal_preload > 0.0:
+                    lines["seal"] = seal_line(high, bearing_section(self.assembly, p.half))
+                points = {
+                    f"spring_{k}": (own.keys.springs[k].x, own.keys.springs[k].y)
+                    for k in self._springs_on(p)
+                }
+                patches = {"nose": nose.difference(self.high_pressure)} if nose.area > 0.0 else {}
+                back = BackLoads(areas=areas, points=points, lines=lines, patches=patches)
+            body = bearing_body(
+                self.assembly, own.material, own.length, p.side, back, self.size, p.half
+            )
+            made[p.name] = self._from_file(
+                p.side, replace(body, supports=()) if moves else body, p.half
+            )
+        made = made
         for k, name in enumerate(BODIES):
             made[name] = self._from_file(name, gear_body(self.assembly, k, self.size))
         return made
@@ -375,34 +393,6 @@ class ElasticAssembly:
                 own = bearing_section(self.assembly, k).area
                 found.append(_BlockPart(name, side, k, float(own / area)))
         return found
-
-    def _bearing(self, part: _BlockPart) -> ElasticBody:
-        own, moves = self._block, self._block.is_floating(part.side)
-        body = bearing_body(
-            self.assembly,
-            own.material,
-            own.length,
-            part.side,
-            self._back(part) if moves else None,
-            self.size,
-            part.half,
-        )
-        return replace(body, supports=()) if moves else body
-
-    def _back(self, part: _BlockPart) -> BackLoads:
-        """High-pressure area with its seal, nose and springs."""
-        own, high = self._block, self._on(part, self.high_pressure)
-        nose = self._on(part, nose_outline(own))
-        areas = {"high": high} if high.area > 0.0 else {}
-        lines = {}
-        if own.keys.seal_preload > 0.0:
-            lines["seal"] = seal_line(high, bearing_section(self.assembly, part.half))
-        points = {
-            f"spring_{k}": (own.keys.springs[k].x, own.keys.springs[k].y)
-            for k in self._springs_on(part)
-        }
-        patches = {"nose": nose.difference(self.high_pressure)} if nose.area > 0.0 else {}
-        return BackLoads(areas=areas, points=points, lines=lines, patches=patches)
 
     def _on(self, part: _BlockPart, shape: shapely.Geometry) -> shapely.Geometry:
         """Part of a shape that is on a bearing or half."""

@@ -290,12 +290,33 @@ def bearing_body(
     size, back = size or MeshSize(), back or BackLoads()
     unit, section = assembly.profiles[0].tip_radius, bearing_section(assembly, half)
     up = 1.0 if side == "floating" else -1.0
-    loads = _back_loads(section, _SPRING_RADIUS * unit, back, "top" if up > 0.0 else "bottom")
+    radius = _SPRING_RADIUS * unit
+    back_side: Literal["top", "bottom"] = "top" if up > 0.0 else "bottom"
+    loads: list[Load] = [AreaPressure(name, back_side, area) for name, area in back.areas.items()]
+    room = section.buffer(-radius)
+    for name, place in back.points.items():
+        # a spring over a bore rests on its rim
+        way = shapely.shortest_line(room, shapely.Point(*place))
+        patch = shapely.line_interpolate_point(way, 0.0).buffer(radius)
+        loads.append(AreaPressure(name, back_side, patch, per_area=False))
+    for name, line in back.lines.items():
+        band = shapely.buffer(line, 0.5 * radius, cap_style="flat")
+        loads.append(AreaPressure(name, back_side, band, per_area=False))
+    for name, region in back.patches.items():
+        loads.append(AreaPressure(name, back_side, region, per_area=False))
     film_side: Literal["top", "bottom"] = "bottom" if up > 0.0 else "top"
     if carries_journals(assembly, length):
         gears = (0, 1) if half is None else (half,)
         loads += radial_loads(assembly, sorted((0.0, up * length)), gears)
-    parts = _bearing_parts(assembly, section, up * length)
+    height = up * length
+    grooves = assembly.spec.grooves
+    parts: tuple[Prism, ...] = (Prism(section, *sorted((0.0, height))),)
+    if grooves is not None and grooves.depth < abs(height):
+        # section less grooves before, whole section behind them
+        cut = [shapely.Polygon(p) for p in groove_polygons(assembly).values()]
+        floor = np.copysign(grooves.depth, height)
+        face = section.difference(shapely.union_all(cut))
+        parts = (Prism(face, *sorted((0.0, floor))), Prism(section, *sorted((floor, height))))
     return ElasticBody(
         shape=SweptShape(parts, size.edge_length * unit, size.layer_height * unit),
         elastic_modulus=material.elastic_modulus,
@@ -310,37 +331,6 @@ def bearing_body(
 def carries_journals(assembly: Assembly, length: float) -> bool:
     """Whether a body of some length [m] holds the journal bearings: a block, not a plate."""
     return length > 0.5 * assembly.spec.keys.journal_bearings.length
-
-
-def _bearing_parts(
-    assembly: Assembly, section: shapely.Polygon, height: float
-) -> tuple[Prism, ...]:
-    """Whole section behind the relief grooves, section less grooves before."""
-    grooves = assembly.spec.grooves
-    if grooves is None or grooves.depth >= abs(height):
-        return (Prism(section, *sorted((0.0, height))),)
-    cut = [shapely.Polygon(p) for p in groove_polygons(assembly).values()]
-    floor = np.copysign(grooves.depth, height)
-    face = section.difference(shapely.union_all(cut))
-    return (Prism(face, *sorted((0.0, floor))), Prism(section, *sorted((floor, height))))
-
-
-def _back_loads(
-    section: shapely.Polygon, radius: float, back: BackLoads, side: Literal["top", "bottom"]
-) -> list[Load]:
-    loads: list[Load] = [AreaPressure(name, side, area) for name, area in back.areas.items()]
-    room = section.buffer(-radius)
-    for name, place in back.points.items():
-        # a spring over a bore rests on its rim
-        way = shapely.shortest_line(room, shapely.Point(*place))
-        patch = shapely.line_interpolate_point(way, 0.0).buffer(radius)
-        loads.append(AreaPressure(name, side, patch, per_area=False))
-    for name, line in back.lines.items():
-        band = shapely.buffer(line, 0.5 * radius, cap_style="flat")
-        loads.append(AreaPressure(name, side, band, per_area=False))
-    for name, region in back.patches.items():
-        loads.append(AreaPressure(name, side, region, per_area=False))
-    return loads
 
 
 def radial_loads(
