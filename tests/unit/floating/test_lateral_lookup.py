@@ -280,7 +280,7 @@ def _seated(
     def march(machine: System, *_: object) -> SimpleNamespace:
         assert machine.description.lateral_table is not None
         seat = machine.description.lateral_table.seat_factor
-        return SimpleNamespace(status=Status.DONE, seat=seat)
+        return SimpleNamespace(status=Status.DONE, seat=seat, system=machine)
 
     def solution(history: SimpleNamespace, *_: object) -> Solution:
         seats.append(history.seat)
