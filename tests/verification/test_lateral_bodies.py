@@ -308,15 +308,15 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
     return problem, problem.settle(problem.started(3e-6))
 
 
-def test_fuel_pump_settles_at_its_highest_pressure() -> None:
-    """155 bar: faces bend by as much as the films are thick."""
-    problem, found = _fuel_pump("operating_point.outlet_pressure=155.2 bar")
+def test_fuel_pump_settles_at_high_pressure() -> None:
+    """136 bar: faces bend by as much as the films are thick; at 155 bar films push them away."""
+    problem, found = _fuel_pump("operating_point.outlet_pressure=135.8 bar")
     assert found.settled
     assert found.steps <= 24
     assert found.balance.residual < 1e-6
     numbers = numbers_of(problem, found.balance)
     assert 0.9e-6 < numbers.smallest_gap < 1.2e-6
-    assert 5e-6 < numbers.gaps.mean() < 6.5e-6
+    assert 4.5e-6 < numbers.gaps.mean() < 5.5e-6
 
 
 def test_plates_that_the_films_push_away_are_told() -> None:
