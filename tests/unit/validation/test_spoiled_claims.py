@@ -194,7 +194,7 @@ STUCK = replace(NOSE, positions=(3.0, 2.98, 3.1, 3.0, 4.0, 4.0))
 def test_fuel_pump(key: str, good: Loop, spoiled: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
     for study, expected in ((good, "pass"), (spoiled, "fail")):
         monkeypatch.setattr(lateral, "_loop", lambda *_, found=study: found)
-        monkeypatch.setattr(lateral, "_nose_study", lambda *_, found=study: found)
+        monkeypatch.setattr(lateral, "solve_path", lambda *_, found=study: found)
         assert verdict(key) == expected
 
 
