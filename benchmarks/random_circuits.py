@@ -10,11 +10,9 @@ stopped goes on where it was.
 
 from __future__ import annotations
 
-import argparse
 import random
 import time
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,11 +21,9 @@ from benchmarks.random_designs import (
     CASES,
     ENERGY_LIMIT,
     MASS_LIMIT,
-    append,
-    finished_rows,
     good,
     log_uniform,
-    read,
+    run_seeds,
     tables_of,
     warnings_in,
 )
@@ -245,23 +241,10 @@ def report(rows: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser("python -m benchmarks.random_circuits", description=__doc__)
-    parser.add_argument("--count", type=int, default=500)
-    parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--limit", type=int, default=120, help="processor time of a circuit [s]")
-    parser.add_argument("--only", type=int, metavar="SEED", help="print the case of this seed")
-    parser.add_argument("-o", "--output", type=Path, default=Path("random_circuits.csv"))
-    given = parser.parse_args()
-    if given.only is not None:
-        print(document_text(tables_for(given.only)))
-        return
-    rows = read(given.output)
-    known = {row["seed"] for row in rows}
-    seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
-    for row in finished_rows(seeds, 1, given.limit, row_of):
-        rows.append(row)
-        append(row, given.output, _COLUMNS)
-    report(rows)
+    run_seeds(
+        "random_circuits", __doc__, row_of, report,
+        lambda seed: document_text(tables_for(seed)), _COLUMNS, 500,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

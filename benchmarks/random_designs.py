@@ -295,7 +295,7 @@ def send_row(pipe: Any, seed: int, limit: int, row: Callable[[int], dict[str, An
     pipe.send(row(seed))
 
 
-def append(row: dict[str, Any], path: Path, columns: Sequence[str] = _COLUMNS) -> None:
+def append(row: dict[str, Any], path: Path, columns: Sequence[str]) -> None:
     begins = not path.exists()
     with path.open("a", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns)
@@ -322,25 +322,53 @@ def number(text: str) -> float | str:
         return text
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser("python -m benchmarks.random_designs", description=__doc__)
-    parser.add_argument("--count", type=int, default=30)
+def run_seeds(
+    name: str,
+    about: str | None,
+    row_of: Callable[[int], dict[str, Any]],
+    report: Callable[[list[dict[str, Any]]], None],
+    case_text: Callable[[int], str],
+    columns: Sequence[str],
+    count: int,
+    limit: int = 120,
+) -> None:
+    """Run the seeds that the table of a program does not hold yet, and report on all of it.
+
+    Parameters
+    ----------
+    name, about : str
+        Program in ``benchmarks``, and what it says of itself.
+    row_of, report, case_text : callable
+        Row of a seed, what is printed of all rows, and the case of a seed.
+    columns : sequence of str
+        Columns of the table.
+    count, limit : int
+        How many seeds, and the processor time of one, if not given. [-], [s]
+    """
+    parser = argparse.ArgumentParser(f"python -m benchmarks.{name}", description=about)
+    parser.add_argument("--count", type=int, default=count)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--limit", type=int, default=300, help="processor time of a design [s]")
+    parser.add_argument("--limit", type=int, default=limit, help="processor time of a seed [s]")
     parser.add_argument("--only", type=int, metavar="SEED", help="print the case of this seed")
-    parser.add_argument("-o", "--output", type=Path, default=Path("random_designs.csv"))
+    parser.add_argument("-o", "--output", type=Path, default=Path(f"{name}.csv"))
     given = parser.parse_args()
     if given.only is not None:
-        print(first_case(given.only)[0])
+        print(case_text(given.only))
         return
     rows = read(given.output)
     known = {row["seed"] for row in rows}
     seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
     for row in finished_rows(seeds, given.workers, given.limit, row_of):
         rows.append(row)
-        append(row, given.output)
+        append(row, given.output, columns)
     report(rows)
+
+
+def main() -> None:
+    run_seeds(
+        "random_designs", __doc__, row_of, report, lambda s: first_case(s)[0], _COLUMNS, 30, 300
+    )
 
 
 if __name__ == "__main__":

@@ -11,12 +11,10 @@ machine. A command that was stopped goes on where it was.
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
 import time
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 from benchmarks.random_designs import (
@@ -24,12 +22,10 @@ from benchmarks.random_designs import (
     ENERGY_LIMIT,
     FAMILIES,
     MASS_LIMIT,
-    append,
     clearance,
     drawn,
-    finished_rows,
     log_uniform,
-    read,
+    run_seeds,
     warnings_in,
 )
 from toothspace.api import simulate
@@ -161,24 +157,7 @@ def report(rows: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser("python -m benchmarks.random_machines", description=__doc__)
-    parser.add_argument("--count", type=int, default=40)
-    parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--limit", type=int, default=120, help="processor time of a machine [s]")
-    parser.add_argument("--only", type=int, metavar="SEED", help="print the case of this seed")
-    parser.add_argument("-o", "--output", type=Path, default=Path("random_machines.csv"))
-    given = parser.parse_args()
-    if given.only is not None:
-        print(case_text(given.only))
-        return
-    rows = read(given.output)
-    known = {row["seed"] for row in rows}
-    seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
-    for row in finished_rows(seeds, given.workers, given.limit, row_of):
-        rows.append(row)
-        append(row, given.output, _COLUMNS)
-    report(rows)
+    run_seeds("random_machines", __doc__, row_of, report, case_text, _COLUMNS, 40)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ on where it was; ``--only SEED`` prints one case.
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
 import re
@@ -19,11 +18,10 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from benchmarks import random_designs as designs
-from benchmarks.random_designs import log_uniform
+from benchmarks.random_designs import log_uniform, run_seeds
 from toothspace.api import prepare, simulate
 from toothspace.case import Case
 from toothspace.case.document import document_text
@@ -197,24 +195,9 @@ def report(rows: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser("python -m benchmarks.random_orifices", description=__doc__)
-    parser.add_argument("--count", type=int, default=200)
-    parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--limit", type=int, default=120, help="processor time of a run [s]")
-    parser.add_argument("--only", type=int, metavar="SEED", help="print the case of this seed")
-    parser.add_argument("-o", "--output", type=Path, default=Path("random_orifices.csv"))
-    given = parser.parse_args()
-    if given.only is not None:
-        print(first_case(given.only)[0])
-        return
-    rows = designs.read(given.output)
-    known = {row["seed"] for row in rows}
-    seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
-    for row in designs.finished_rows(seeds, given.workers, given.limit, row_of):
-        rows.append(row)
-        designs.append(row, given.output, COLUMNS)
-    report(rows)
+    run_seeds(
+        "random_orifices", __doc__, row_of, report, lambda seed: first_case(seed)[0], COLUMNS, 200
+    )
 
 
 if __name__ == "__main__":

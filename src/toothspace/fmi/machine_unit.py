@@ -176,16 +176,31 @@ def _attributes(one: MachineVariable) -> dict[str, str]:
     return unit_attributes(_unit_of(one)) | start
 
 
+def _root(machine: MachineFile, name: str, **version: str) -> ElementTree.Element:
+    """Begin of a description; ``version`` is that of FMI, with its name of the token."""
+    said = {
+        **version,
+        "modelName": name,
+        "description": machine.title,
+        "generationTool": f"toothspace {toothspace.__version__}",
+        "variableNamingConvention": "flat",
+    }
+    return ElementTree.Element("fmiModelDescription", said)
+
+
+def _described(reference: int, one: MachineVariable) -> dict[str, str]:
+    """What both versions say of a variable in its first element."""
+    return {
+        "name": one.name,
+        "valueReference": str(reference),
+        "description": _meaning(one),
+        "causality": _causality(one),
+        "variability": _variability(one),
+    }
+
+
 def _description_2(machine: MachineFile, name: str, token: str) -> str:
-    root = ElementTree.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=name,
-        guid=token,
-        description=machine.title,
-        generationTool=f"toothspace {toothspace.__version__}",
-        variableNamingConvention="flat",
-    )
+    root = _root(machine, name, fmiVersion="2.0", guid=token)
     part(
         root,
         "CoSimulation",
@@ -202,11 +217,7 @@ def _description_2(machine: MachineFile, name: str, token: str) -> str:
         entry = part(
             listed,
             "ScalarVariable",
-            name=one.name,
-            valueReference=str(reference),
-            description=_meaning(one),
-            causality=_causality(one),
-            variability=_variability(one),
+            **_described(reference, one),
         )
         part(entry, "Real", **_attributes(one))
     structure = part(root, "ModelStructure")
@@ -219,15 +230,7 @@ def _description_2(machine: MachineFile, name: str, token: str) -> str:
 
 
 def _description_3(machine: MachineFile, name: str, token: str) -> str:
-    root = ElementTree.Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=name,
-        instantiationToken=token,
-        description=machine.title,
-        generationTool=f"toothspace {toothspace.__version__}",
-        variableNamingConvention="flat",
-    )
+    root = _root(machine, name, fmiVersion="3.0", instantiationToken=token)
     part(
         root,
         "CoSimulation",
@@ -245,11 +248,7 @@ def _description_3(machine: MachineFile, name: str, token: str) -> str:
         part(
             listed,
             "Float64",
-            name=one.name,
-            valueReference=str(reference),
-            description=_meaning(one),
-            causality=_causality(one),
-            variability=_variability(one),
+            **_described(reference, one),
             **_attributes(one),
         )
     part(

@@ -16,6 +16,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.gearing.numbering import FULL_TURN
+from toothspace.gearing.space_paths import FACES
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
@@ -26,6 +27,17 @@ _SLICES_PER_PITCH = 8
 """Slices of a contact line on one pitch of overlap: the load moves in steps of an eighth of it."""
 _CURVED_GAP = 2.5
 """Power of the height that the flow through a gap between curved walls grows with. [-]"""
+
+
+def base_helix_angle(angle: float, pressure_angle: float) -> float:
+    """Helix angle at the base circle, tan(beta_b) = tan(beta) cos(alpha_t). [rad].
+
+    Parameters
+    ----------
+    angle, pressure_angle : float
+        Helix angle at the reference circle, and transverse pressure angle. [rad]
+    """
+    return math.atan(math.tan(angle) * math.cos(pressure_angle))
 
 
 @final
@@ -57,8 +69,8 @@ class Helix:
 
     @property
     def base_angle(self) -> float:
-        """Helix angle at the base circle, sin(beta_b) = sin(beta) cos(alpha_n). [rad]."""
-        return math.atan(math.tan(abs(self.angle)) * math.cos(self.gear.pressure_angle))
+        """Helix angle at the base circle. [rad]."""
+        return base_helix_angle(abs(self.angle), self.gear.pressure_angle)
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""
@@ -76,14 +88,13 @@ class Helix:
         the width. A gap is as high as one that leaks as much.
         """
         if path.kind == "orifice":
-            sections = 2 if path.multiplicity == 2.0 else _SECTIONS
-            table = path.geometry
-            if sections == _SECTIONS:
-                area = table.moving_mean(self.twist * path.angle_ratio).values[:, 0]
-            else:
-                area = self._over(table, self._leads(path, sections))[..., 0].mean(axis=0)
-            found = self._over(table, self._leads(path, sections))
+            table, in_faces = path.geometry, path.multiplicity == FACES
+            found = self._over(table, self._leads(path, FACES if in_faces else _SECTIONS))
             open_area = np.maximum(found[..., 0], 0.0)
+            if in_faces:
+                area = open_area.mean(axis=0)
+            else:
+                area = table.moving_mean(self.twist * path.angle_ratio).values[:, 0]
             total = open_area.sum(axis=0)
             weighted = (open_area * found[..., 1]).sum(axis=0)
             diameter = np.where(total > 0.0, weighted / np.where(total > 0.0, total, 1.0), 0.0)

@@ -11,6 +11,7 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
+from toothspace.core.compilation.library import way
 from toothspace.core.compiled import cache_root, digest_of_sources
 from toothspace.core.files import keep_arrays, load_arrays
 from toothspace.core.progress import Progress, part
@@ -134,8 +135,11 @@ def _marched(
 
 
 def folder() -> Path:
-    """Folder of stored depths, beside the compiled code and keyed by its sources."""
-    return cache_root() / f"tracks-{digest_of_sources()}"
+    """Folder of stored depths, beside the compiled code and keyed by its sources.
+
+    Code of the library and of a compiler cut tracks that differ in their last digits.
+    """
+    return cache_root() / f"tracks-{way()}-{digest_of_sources()}"
 
 
 def load(key: str) -> dict[str, Array] | None:

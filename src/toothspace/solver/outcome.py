@@ -447,7 +447,7 @@ def _tooth_moments(history: History, seen: Observation, moment: Array) -> Array:
         entry = description.motions[motion]
         if entry.axis == "rotation":
             own = names.index(entry.body)
-            moments[:, own] += _contact_moment(description, seen, angle, motion)
+            moments[:, own] += _contact_moment(system, seen, angle, motion)
     rates = [
         family.angle_ratio
         * family.volume.derivative(family.phases + family.angle_ratio * angle[:, None])[..., 0]
@@ -461,18 +461,14 @@ def _tooth_moments(history: History, seen: Observation, moment: Array) -> Array:
     return moments
 
 
-def _contact_moment(
-    description: MachineDescription, seen: Observation, angle: Array, motion: int
-) -> Array:
-    """Moment of compliant contacts on a rotation. [N m]."""
-    total, column = np.zeros(angle.size), 0
-    for pair in description.contacts:
-        force = seen.contact_force[:, column : column + pair.count]
-        if force.shape[1] < pair.count:
-            return total  # a rigid mesh has the loaded flanks only, and balances the body
+def _contact_moment(system: System, seen: Observation, angle: Array, motion: int) -> Array:
+    """Moment of the contacts on a rotation. [N m]."""
+    total, first = np.zeros(angle.size), 0
+    for pair in loaded_contacts(system.description, system.condition):
+        force = seen.contact_force[:, first : first + pair.count]
         lever = pair.gap_by_motion(pair.phases + pair.angle_ratio * angle[:, None])[..., motion]
         total += np.sum(force * lever, axis=1)
-        column += pair.count
+        first += pair.count
     return total
 
 

@@ -35,7 +35,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
     ReliefGrooves,
 )
-from toothspace.gearing.helix import Helix
+from toothspace.gearing.helix import Helix, base_helix_angle
 from toothspace.gearing.materials import Material
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.geometry.gear_profile import GearProfile
@@ -172,10 +172,14 @@ class GearParameters(MeshingGearParameters):
         return math.cos(self.helix_angle)
 
     @property
+    def transverse_pressure_angle(self) -> float:
+        """Pressure angle in the section across the axis; 0 of a profile from a file. [rad]."""
+        return math.atan(math.tan(self.pressure_angle or 0.0) / self.slope)
+
+    @property
     def transverse_backlash(self) -> float:
         """Play of the flanks along the line of action of the transverse section. [m]."""
-        # sin(beta_b) = sin(beta) cos(alpha_n)
-        base = math.asin(math.sin(self.helix_angle) * math.cos(self.pressure_angle or 0.0))
+        base = base_helix_angle(self.helix_angle, self.transverse_pressure_angle)
         return (self.normal_backlash or 0.0) / math.cos(base)
 
     def involute_gear(self, table: str) -> InvoluteGear:
@@ -197,14 +201,13 @@ class GearParameters(MeshingGearParameters):
         if self.helix_angle == 0.0:
             return super().involute_gear(table)
         assert self.module is not None
-        assert self.pressure_angle is not None
         radius = self.tool_tip_radius
         return replace(
             self,
             helix_angle=0.0,
             helix_hand=None,
             module=self.module / self.slope,
-            pressure_angle=math.atan(math.tan(self.pressure_angle) / self.slope),
+            pressure_angle=self.transverse_pressure_angle,
             profile_shift=self.profile_shift * self.slope,
             dedendum=self.dedendum * self.slope,
             tool_tip_radius=None if radius is None else radius * self.slope,
