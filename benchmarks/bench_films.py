@@ -84,8 +84,9 @@ def several_table() -> None:
         film = bearing(rows, lanes).solve(
             eccentricity=(0.5, 0.0), tilt=(1e-4, 5e-5), shaft_speed=314.16
         )
-        system = film.film.fields.system
-        sides = np.random.default_rng(0).normal(size=(8, film.film.fields.potential.size))
+        fields = film.solved.fields
+        system = fields.system
+        sides = np.random.default_rng(0).normal(size=(8, fields.potential.size))
         alone = best(lambda s=system, b=sides: [s.solve(side) for side in b], 3)
         together = best(lambda s=system, b=sides: s.solve(b), 3)
         name = f"{rows} x {lanes} tilted journal, 8 columns"
