@@ -103,7 +103,7 @@ def banded_systems() -> None:
         film = bearing(rows, lanes).solve(
             eccentricity=(0.5, 0.0), tilt=(1e-4, 5e-5), shaft_speed=314.16
         )
-        stencil = film.film.fields.system.stencil
+        stencil = film.solved.fields.system.stencil
         size, rhs = rows * lanes, np.random.default_rng(0).normal(size=(1, rows * lanes))
         band = empty_band(rows, lanes)
         fill_band(stencil, rows, lanes, 0, band)

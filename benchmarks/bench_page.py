@@ -16,6 +16,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +112,7 @@ def measure(page: Any, name: str, path: str) -> dict[str, Any]:
     }
 
 
-def main(names: list[str]) -> None:
+def main(names: Sequence[str] = ()) -> None:
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as running:
         server = BenchServer(Path(folder))

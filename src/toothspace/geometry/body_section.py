@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import final
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, product
+from typing import NamedTuple, final
 
 import numpy as np
 import scipy
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import chord_heights, signed_area, without_repeats
+from toothspace.geometry.involute_gear import MIN_TOOTH_COUNT
 from toothspace.geometry.tooth_count import repeating_teeth
 
 _Faces = NDArray[np.int64]
@@ -280,6 +281,17 @@ _SECOND = 0.2
 """Of the toothed length, from its begin: place of the second section. [-]"""
 
 
+class _Look(NamedTuple):
+    fewest: int
+    """Teeth."""
+    bores: bool
+    """Whether a hole with teeth counts where the outline has none."""
+
+
+_LOOKS_FOR_TEETH = _Look(MIN_TOOTH_COUNT, bores=False), _Look(MIN_TOOTH_COUNT, bores=True)
+_LOOKS_FOR_LOBES = (_Look(FEWEST_LOBES, bores=True),)
+
+
 @final
 @dataclass(frozen=True)
 class SectionRequest:
@@ -296,7 +308,7 @@ class SectionRequest:
     part: str | None = None
     """Name of one body; None for all."""
     teeth: bool = False
-    """Whether to look for teeth."""
+    """Whether to look for teeth, on bores only of bodies that have none outside."""
     lobes: bool = False
     """Whether to look for three and more teeth, also on holes, as of gerotor rotors."""
     layer: str | None = None
@@ -343,8 +355,8 @@ class BodySection:
     """Closed curves, shape (n, 2), in the frame of ``axis_frame``, largest first. [m]"""
     second_height: float = 0.0
     """Height of a second section through the teeth. [m]"""
-    second: Array | None = None
-    """Its largest curve, on the mesh of the body. [m]"""
+    second: list[Array] = field(default_factory=list)
+    """Its curves, on the mesh of the body, largest first. [m]"""
     layer: tuple[float, float] | None = None
     """Flat faces between which the section was cut. [m]"""
 
@@ -393,8 +405,10 @@ def _cuts(number: int, body: SolidBody, request: SectionRequest) -> list[BodySec
     # a body without teeth is cut across z unless told otherwise
     axis = np.array(AXES[given] if isinstance(given, str) else given or AXES["z"])
     if request.teeth or request.lobes:
-        for likely in likely_axes(body.mesh) if given is None else [axis]:
-            teeth = _toothed_extent(body.mesh, axis_frame(likely), lobes=request.lobes)
+        axes = likely_axes(body.mesh) if given is None else [axis]
+        looks = _LOOKS_FOR_LOBES if request.lobes else _LOOKS_FOR_TEETH
+        for look, likely in product(looks, axes):
+            teeth = _toothed_extent(body.mesh, axis_frame(likely), look)
             if teeth is not None:
                 return [_section(number, body, likely, teeth, request.plane)]
     if request.face_towards is None:
@@ -421,11 +435,10 @@ def _section(
     height = 0.5 * (low + high) if plane is None else plane
     frame = axis_frame(axis)
     curves = _sorted(body.cut(frame, height)) if extent[0] < height < extent[1] else []
-    second_height, second = 0.0, None
+    second_height, second = 0.0, list[Array]()
     if teeth is not None:
         second_height = low + _SECOND * (high - low)
-        others = _sorted(section(body.mesh, frame, second_height))
-        second = others[0] if others else None
+        second = _sorted(section(body.mesh, frame, second_height))
     return BodySection(
         number, body.name, axis, height, extent, teeth, curves, second_height, second
     )
@@ -435,15 +448,15 @@ def _sorted(curves: list[Array]) -> list[Array]:
     return sorted(curves, key=lambda curve: -abs(signed_area(curve)))
 
 
-def _toothed_extent(mesh: SurfaceMesh, frame: Array, *, lobes: bool) -> tuple[float, float] | None:
+def _toothed_extent(mesh: SurfaceMesh, frame: Array, look: _Look) -> tuple[float, float] | None:
     low, high = mesh.extent(frame[2])
-    looks = [_teeth_at(mesh, frame, low + k * (high - low), lobes=lobes) for k in _QUICK_LOOK]
+    looks = [_teeth_at(mesh, frame, low + k * (high - low), look) for k in _QUICK_LOOK]
     if looks[0][0] is not None and len({count for count, _ in looks}) == 1:
         return low, high
     # neighbouring layers with one tooth count; the widest such gear is meant, not a spline or nut
     runs: list[tuple[float, float, float, int]] = []
     for start, end in _layers(mesh, frame[2]):
-        count, width = _teeth_at(mesh, frame, 0.5 * (start + end), lobes=lobes)
+        count, width = _teeth_at(mesh, frame, 0.5 * (start + end), look)
         if count is None:
             continue
         if runs and runs[-1][1] == start and runs[-1][3] == count:
@@ -459,12 +472,12 @@ def _toothed_extent(mesh: SurfaceMesh, frame: Array, *, lobes: bool) -> tuple[fl
 
 
 def _teeth_at(
-    mesh: SurfaceMesh, frame: Array, height: float, *, lobes: bool
+    mesh: SurfaceMesh, frame: Array, height: float, look: _Look
 ) -> tuple[int | None, float]:
-    # tooth count and width of the outermost curve, of lobes that of the outermost toothed one
+    # tooth count and width of the outermost curve, or of the outermost toothed one
     for curve in _sorted(section(mesh, frame, height)):
-        count = repeating_teeth(curve, FEWEST_LOBES) if lobes else repeating_teeth(curve)
-        if count is not None or not lobes:
+        count = repeating_teeth(curve, look.fewest)
+        if count is not None or not look.bores:
             return count, float(np.ptp(curve[:, 0]))
     return None, 0.0
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import final
 
@@ -158,7 +158,7 @@ CERTAIN_BASE_DIAMETER = 3e-6
 def file_report(contents: FileContents, center_distance: float | None = None) -> dict[str, object]:
     """Numbers of all gears of a file and of the pairs that they form.
 
-    ``gears``, ``pairs`` and ``other_bodies``; names carry their units.
+    ``gears``, ``ring_gears``, ``pairs`` and ``other_bodies``; names carry their units.
 
     Parameters
     ----------
@@ -167,11 +167,13 @@ def file_report(contents: FileContents, center_distance: float | None = None) ->
         equal. [m]
     """
     pairs = [pair_report(*two) for two in combinations(contents.gears, 2)]
-    if center_distance is not None:
+    pairs += [inner_pair_report(*two) for two in product(contents.rings, contents.gears)]
+    if center_distance is not None and contents.gears:
         first, second = contents.gears[0], contents.gears[min(1, len(contents.gears) - 1)]
         pairs.append(_at_distance(first, second, center_distance))
     return {
         "gears": [gear_report(gear) for gear in contents.gears],
+        "ring_gears": [ring_report(ring) for ring in contents.rings],
         "pairs": [pair for pair in pairs if pair],
         "other_bodies": [
             {"file": other.file.name, "body": other.body, "name": other.name}
@@ -190,7 +192,8 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
     scales : mapping
         Length of each unit over the one that the file was read in. [-]
     """
-    profile, helix = contents.gears[0].detected.profile, contents.gears[0].helix_angle
+    largest = (*contents.gears, *contents.rings)[0]
+    profile, helix = largest.detected.profile, largest.helix_angle
     data = gear_data(profile, helix)
     if data is None or data.standard:
         return []
@@ -204,7 +207,7 @@ def flank_warnings(contents: FileContents) -> list[str]:
     One line for each such gear, with its taper, or its form error and chords.
     """
     lines = []
-    for gear in contents.gears:
+    for gear in (*contents.gears, *contents.rings):
         if gear.taper:
             lines.append(
                 f"{_called(gear)}: its teeth taper by {np.rad2deg(gear.taper):.2g} deg along the "
@@ -240,6 +243,18 @@ def gear_report(found: FoundGear) -> dict[str, object]:
         "largest_tooth_deviation_um": 1e6 * float(found.detected.tooth_deviation.max()),
     }
     return numbers | _involute_numbers(found)
+
+
+def ring_report(found: FoundGear) -> dict[str, object]:
+    """Numbers of a ring gear or outer rotor: its tips are the roots of its outline, and so on."""
+    numbers = gear_report(found)
+    exchanged = {
+        "tip_diameter_mm": "root_diameter_mm",
+        "form_diameter_mm": "tip_form_diameter_mm",
+    }
+    exchanged |= {other: name for name, other in exchanged.items()}
+    of_spaces = ("tip_rounding_mm", "undercut", "undercut_depth_um")
+    return {exchanged.get(k, k): value for k, value in numbers.items() if k not in of_spaces}
 
 
 def _involute_numbers(found: FoundGear) -> dict[str, object]:
@@ -296,6 +311,36 @@ def pair_report(first: FoundGear, second: FoundGear) -> dict[str, object]:
     if distance is None or not max(tips) < distance < sum(tips):
         return {}
     return _at_distance(first, second, distance)
+
+
+def inner_pair_report(ring: FoundGear, inner: FoundGear) -> dict[str, object]:
+    r"""Centre distance of a gear inside a ring gear or outer rotor, and backlash of involutes.
+
+    Notes
+    -----
+    With half angles :math:`\vartheta_b` of the tooth and of the space on their base circles,
+    :math:`j_n = 2 r_{b2} (\vartheta_{b2} - \mathrm{inv}\,\alpha_w) - 2 r_{b1} (\vartheta_{b1} -
+    \mathrm{inv}\,\alpha_w)` at the working pressure angle
+    :math:`\cos\alpha_w = (r_{b2} - r_{b1})/a`.
+    """
+    distance = axis_distance(ring, inner)
+    outline, profile = ring.detected.profile, inner.detected.profile
+    if distance is None or distance + profile.root_radius > outline.tip_radius:
+        return {}
+    pair: dict[str, object] = {
+        "gears": [_called(ring), _called(inner)],
+        "center_distance_mm": 1e3 * distance,
+    }
+    space, tooth = outline.involute, profile.involute
+    if space is None or tooth is None:
+        return pair
+    bases = space.base_radius - tooth.base_radius
+    if not 0.0 < bases < distance:
+        return pair
+    working = involute_function(np.arccos(bases / distance))
+    play = 2.0 * space.base_radius * (space.base_half_angle - working)
+    play -= 2.0 * tooth.base_radius * (tooth.base_half_angle - working)
+    return {**pair, "normal_backlash_mm": 1e3 * float(play)}
 
 
 def _at_distance(first: FoundGear, second: FoundGear, distance: float) -> dict[str, object]:

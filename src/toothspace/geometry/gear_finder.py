@@ -1,9 +1,13 @@
-"""Find the gears in a file: bodies or curves with teeth, their axes, teeth and helix angles."""
+"""Find the gears in a file: bodies or curves with teeth, their axes, teeth and helix angles.
+
+A ring gear or outer rotor is a body whose bore has the teeth. Its outline is that of an external
+gear of the same base circle whose teeth fill the spaces of the ring.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -52,6 +56,8 @@ class FoundGear:
     """
     taper: float = 0.0
     """Angle by which the teeth narrow along the axis, as drafted, conical or bevel ones. [rad]"""
+    internal: bool = False
+    """Whether the outline is the bore of a ring gear or outer rotor: its teeth are the spaces."""
 
 
 @final
@@ -76,6 +82,8 @@ class FileContents:
     """Gears, largest tip circle first."""
     others: tuple[PlainBody, ...]
     """Bodies without teeth, largest first."""
+    rings: tuple[FoundGear, ...] = ()
+    """Ring gears and outer rotors among solids, largest bore first."""
 
 
 def find_gears(
@@ -137,6 +145,7 @@ def find_in_files(
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []
+    rings: list[FoundGear] = []
     refused = []
     for path in paths:
         try:
@@ -149,9 +158,10 @@ def find_in_files(
             continue
         gears += found.gears
         others += found.others
-    if not gears:
+        rings += found.rings
+    if not gears and not rings:
         raise refused[0]
-    return FileContents(_by_size(gears), tuple(others))
+    return FileContents(_by_size(gears), tuple(others), _by_size(rings))
 
 
 def _plain(path: Path, sections: Iterable[BodySection]) -> list[PlainBody]:
@@ -169,7 +179,7 @@ def axis_distance(first: FoundGear, second: FoundGear) -> float | None:
 def _gears_of_solids(path: Path, unit: float, request: SectionRequest) -> FileContents:
     wanted = SectionRequest(request.axis, request.plane, request.body, request.part, teeth=True)
     sections = load_body_sections(path, unit, wanted)
-    toothed = [cut for cut in sections if repeating_teeth(cut.curves[0]) is not None]
+    toothed = [cut for cut in sections if _teeth(cut.curves) is not None]
     found, refused = [], []
     for cut in toothed or sections[:1]:
         try:
@@ -178,31 +188,49 @@ def _gears_of_solids(path: Path, unit: float, request: SectionRequest) -> FileCo
             refused.append(error)
     if not found:
         raise refused[0]
-    gears = _by_size(found)
-    numbers = {gear.body for gear in gears}
-    others = _plain(path, (cut for cut in sections if cut.body not in numbers))
-    return FileContents(gears, tuple(others))
+    numbers = {gear.body for gear in found}
+    return FileContents(
+        _by_size([gear for gear in found if not gear.internal]),
+        tuple(_plain(path, (cut for cut in sections if cut.body not in numbers))),
+        _by_size([gear for gear in found if gear.internal]),
+    )
+
+
+def _teeth(curves: list[Array]) -> int | None:
+    """Number of the outermost curve with teeth, 0 being the outline of a body."""
+    toothed = (k for k, curve in enumerate(curves) if repeating_teeth(curve) is not None)
+    return next(toothed, None)
 
 
 def _gear(path: Path, cut: BodySection) -> FoundGear:
-    frame = axis_frame(cut.axis)
+    frame, place = axis_frame(cut.axis), _teeth(cut.curves) or 0
+    outline = cut.curves[place]
+    second = cut.second[place] if place < len(cut.second) else None
     try:
-        detected = gear_profile_from_curve(cut.curves[0], key=str(path))
+        detected = gear_profile_from_curve(outline, key=str(path))
     except GeometryError as error:
         said = f" ({_place(cut)})"
         raise error.changed(lambda one: one._replace(allowed=one.allowed + said)) from error
-    teeth = cut.teeth_extent
-    return FoundGear(
+    low, high = cut.teeth_extent or (0.0, 0.0)
+    gear = FoundGear(
         file=path,
         name=cut.name,
         detected=detected,
         body=cut.body,
         axis=cut.axis,
         center=frame.T @ np.array([*detected.center, cut.height]),
-        face_width=None if teeth is None else teeth[1] - teeth[0],
+        face_width=high - low if high > low else None,
         length=cut.extent[1] - cut.extent[0],
-        helix_angle=_helix_angle(cut, detected),
-        taper=_taper(cut, detected),
+        helix_angle=0.0,
+        internal=place > 0,
+    )
+    distance = cut.height - cut.second_height
+    if second is None or distance == 0.0:
+        return gear
+    return replace(
+        gear,
+        helix_angle=_helix_angle(detected, outline, second, distance),
+        taper=_taper(detected, outline, second, distance),
     )
 
 
@@ -215,37 +243,33 @@ def _place(cut: BodySection) -> str:
     )
 
 
-def _helix_angle(cut: BodySection, detected: DetectedGear) -> float:
+def _helix_angle(detected: DetectedGear, outline: Array, second: Array, distance: float) -> float:
     # turn of the teeth between two sections
-    if cut.second is None or cut.second_height == cut.height:
-        return 0.0
     pitch = 2.0 * np.pi / detected.tooth_count
     center = np.array(detected.center)
-    first, second = (
+    first, last = (
         area_phase(counter_clockwise(curve) - center, detected.tooth_count)
-        for curve in (cut.curves[0], cut.second)
+        for curve in (outline, second)
     )
-    turn = (first - second + 0.5 * pitch) % pitch - 0.5 * pitch
+    turn = (first - last + 0.5 * pitch) % pitch - 0.5 * pitch
     radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
-    shift = radius * abs(turn)
-    angle = float(np.arctan(radius * turn / (cut.height - cut.second_height)))
-    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
-    if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
-        return 0.0
-    return angle
+    return _certain(float(np.arctan(radius * turn / distance)), radius * turn, detected, second)
 
 
-def _taper(cut: BodySection, detected: DetectedGear) -> float:
+def _taper(detected: DetectedGear, outline: Array, second: Array, distance: float) -> float:
     """Change of tip circle or size between two sections over their distance, as an angle. [rad]."""
-    if cut.second is None or cut.second_height == cut.height:
-        return 0.0
-    curves = [curve - np.array(detected.center) for curve in (cut.curves[0], cut.second)]
+    curves = [curve - np.array(detected.center) for curve in (outline, second)]
     tips = [float(np.hypot(*curve.T).max()) for curve in curves]
     sizes = [float(np.sqrt(abs(signed_area(curve)) / np.pi)) for curve in curves]
     change = max(abs(tips[0] - tips[1]), abs(sizes[0] - sizes[1]))
-    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
-    angle = float(np.arctan(change / abs(cut.height - cut.second_height)))
-    return 0.0 if change < max(_CHORDS * chords, _LEAST_SHIFT) or angle < _LEAST_HELIX else angle
+    return _certain(float(np.arctan(change / abs(distance))), change, detected, second)
+
+
+def _certain(angle: float, shift: float, detected: DetectedGear, second: Array) -> float:
+    # what the chords of the outlines can make appear is none
+    chords = max(detected.chord_height, float(chord_heights(second).max(initial=0.0)))
+    seen = abs(shift) >= max(_CHORDS * chords, _LEAST_SHIFT) and abs(angle) >= _LEAST_HELIX
+    return angle if seen else 0.0
 
 
 def _outermost(curves: list[Array]) -> list[Array]:

@@ -54,7 +54,8 @@ def read_sections(path: Path, unit: float, request: SectionRequest) -> list[Body
         }
         row["axis"] = np.array(row["axis"])
         row["curves"] = [archive[f"curve_{number}_{k}"] for k in range(row["curves"])]
-        found.append(BodySection(**row, second=archive.get(f"second_{number}")))
+        row["second"] = [archive[f"second_{number}_{k}"] for k in range(row["second"])]
+        found.append(BodySection(**row))
     return found
 
 
@@ -129,9 +130,8 @@ def packed(sections: list[BodySection]) -> dict[str, Any]:
     for number, found in enumerate(sections):
         row = {field.name: getattr(found, field.name) for field in fields(found)}
         curves, second, axis = row.pop("curves"), row.pop("second"), row.pop("axis")
-        table.append({**row, "axis": axis.tolist(), "curves": len(curves)})
-        for place, curve in enumerate(curves):
-            arrays[f"curve_{number}_{place}"] = curve
-        if second is not None:
-            arrays[f"second_{number}"] = second
+        counts = {"curves": len(curves), "second": len(second)}
+        table.append({**row, "axis": axis.tolist(), **counts})
+        for name, group in (("curve", curves), ("second", second)):
+            arrays |= {f"{name}_{number}_{place}": curve for place, curve in enumerate(group)}
     return {"table": np.array(json.dumps(table)), **arrays}

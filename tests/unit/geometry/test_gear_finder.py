@@ -8,14 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 
 from toothspace.core.errors import GeometryError
 from toothspace.geometry import cad_import, limited_reading
 from toothspace.geometry.body_section import SectionRequest
-from toothspace.geometry.cad_export import export_gear
+from toothspace.geometry.cad_export import Section, export_gear, export_section
 from toothspace.geometry.cad_import import load_closed_curves
-from toothspace.geometry.gear_data import flank_warnings, gear_data
+from toothspace.geometry.gear_data import file_report, flank_warnings, gear_data
 from toothspace.geometry.gear_finder import find_gears
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 
@@ -256,3 +257,69 @@ def test_teeth_that_taper_are_named(tmp_path: Path, draft: float) -> None:
     assert [line for line in flank_warnings(contents) if "taper" in line] == (
         [] if draft == 0.0 else flank_warnings(contents)[:1]
     )
+
+
+def extruded(path: Path, outline: shapely.Polygon) -> trimesh.Trimesh:
+    """Solid of a face with holes in mm, as an export writes it."""
+    rings = [np.asarray(r.coords)[:-1] * 1e-3 for r in (outline.exterior, *outline.interiors)]
+    export_section(Section(rings[0], tuple(rings[1:])), path, WIDTH)
+    return trimesh.load(path)
+
+
+def ring_outline(bore: np.ndarray, outside_diameter: float) -> shapely.Polygon:
+    return shapely.Point(0.0, 0.0).buffer(0.5 * outside_diameter, 64) - shapely.Polygon(bore)
+
+
+def test_ring_gear_and_pinion_of_a_crescent_set(tmp_path: Path) -> None:
+    """The bore is that of an external gear of the same base circle; backlash by its own formula."""
+    module, angle, counts, shifts = 2.5e-3, np.deg2rad(20.0), (13, 19), (0.3, 0.3)
+    pinion, spaces = (
+        InvoluteGear(z, module, angle, x, module * (z + 2.0))
+        for z, x in zip(counts, shifts, strict=True)
+    )
+    teeth, bore = (generate_profile(g, 300).closed_polygon() * 1e3 for g in (pinion, spaces))
+    distance = 8.0
+    inner = outline_solid(teeth, 0.0, 1)
+    inner.apply_translation((distance, 0.0, 0.0))
+    ring = extruded(tmp_path / "ring.stl", ring_outline(bore, 70.0))
+    path = write_stl(tmp_path / "set.stl", trimesh.util.concatenate([ring, inner]))
+    contents = find_gears(path, 1e-3)
+    (found,), (gear,) = contents.rings, contents.gears
+    assert (found.detected.tooth_count, gear.detected.tooth_count) == (19, 13)
+    assert contents.others == ()
+    assert found.face_width == pytest.approx(WIDTH, rel=1e-5)
+    report = file_report(contents)
+    numbers = report["ring_gears"][0]
+    assert numbers["module_mm"] == pytest.approx(2.5, rel=1e-4)
+    assert numbers["tip_diameter_mm"] < numbers["root_diameter_mm"]
+    assert numbers["root_diameter_mm"] == pytest.approx(2e3 * spaces.tip_radius, rel=1e-4)
+    pair = report["pairs"][0]
+    assert pair["center_distance_mm"] == pytest.approx(distance, abs=1e-3)
+    working = np.arccos((spaces.base_radius - pinion.base_radius) / (1e-3 * distance))
+    pitch = np.array([spaces.base_radius, pinion.base_radius]) / np.cos(working)
+    # arc of the space of the ring less that of the tooth on their rolling circles
+    space, tooth = (
+        2.0 * r * (g.base_half_angle - np.tan(working) + working)
+        for r, g in zip(pitch, (spaces, pinion), strict=True)
+    )
+    assert pair["normal_backlash_mm"] == pytest.approx(
+        1e3 * (space - tooth) * np.cos(working), abs=2e-3
+    )
+
+
+def test_outer_rotor_of_a_gerotor_set(tmp_path: Path) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 700, endpoint=False)
+    bore = (20.0 + 2.0 * np.cos(7 * turn))[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    extruded(tmp_path / "outer.stl", ring_outline(bore, 52.0))
+    contents = find_gears(tmp_path / "outer.stl", 1e-3)
+    assert contents.gears == ()
+    (rotor,) = contents.rings
+    assert rotor.detected.tooth_count == 7
+    assert rotor.internal
+
+
+def test_plain_bores_are_no_teeth(tmp_path: Path) -> None:
+    bores = shapely.union_all([shapely.Point(x, 0.0).buffer(16.0, 64) for x in (-13.0, 13.0)])
+    extruded(tmp_path / "casing.stl", shapely.box(-45, -30, 45, 30) - bores)
+    with pytest.raises(GeometryError, match="repeating teeth"):
+        find_gears(tmp_path / "casing.stl", 1e-3)

@@ -105,6 +105,8 @@ def draft_case(
         contents = find_in_files(files, scale, request)
     except GeometryError:
         return None
+    if not contents.gears:
+        return None
     pair = _pair(contents)
     drive, driven = pair or (contents.gears[0], contents.gears[0])
     around = _surroundings(contents.others, pair, scale) if pair else _Surroundings()

@@ -73,6 +73,8 @@ def _found(source: _Source, key: str) -> FoundGear:
     file = source.file
     try:
         contents = find_gears(file, source.unit, source.request, source.layer, source.tooth_count)
+        if not contents.gears:
+            raise GeometryError(file, "a ring gear alone", "an external gear")
         return contents.gears[0]
     except GeometryError as error:
         raise error.read_for(key).naming(str(file), file.name) from error
