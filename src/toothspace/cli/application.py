@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 
 import toothspace
 from toothspace.cli import machines, output, pages, runs
-from toothspace.cli.output import Force, Json
+from toothspace.cli.output import Force, Json, named
 from toothspace.core.errors import CaseError
 
 
@@ -73,11 +73,30 @@ def cases(as_json: Json = False) -> None:
     output.write(shipped.cases(), as_json=as_json)
 
 
-def fluids(as_json: Json = False) -> None:
-    """List the fluids of the library."""
+def fluids(
+    fluid: Annotated[
+        str | None, typer.Argument(metavar="[FLUID]", help="Name, data sheet or table.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List the fluids of the library, or properties of one over its temperatures."""
     from toothspace import library
 
-    output.write(library.fluids(), as_json=as_json)
+    if fluid is None:
+        output.write(library.fluids(), as_json=as_json)
+        return
+    from toothspace.model.fluid import properties_table
+
+    place = Path(fluid)
+    with named(place):
+        rows = properties_table(place if place.suffix in {".toml", ".csv"} else fluid)
+    if as_json:
+        output.write({"properties": rows}, as_json=True)
+        return
+    heads = list(rows[0])
+    output.line("  ".join(heads))
+    for row in rows:
+        output.line("  ".join(f"{row[head]:{len(head)}.5g}" for head in heads))
 
 
 def warmup(as_json: Json = False) -> None:
