@@ -43,7 +43,7 @@ _CHECKED = 2001
 
 @final
 @dataclass(frozen=True)
-class Flank:
+class RolledFlank:
     """Places on a left flank by the foot of their normal on the pitch circle. Shape (n,)."""
 
     roll: Array
@@ -98,7 +98,7 @@ class ContinuousGear:
         assert self.tip_diameter is not None
         return 0.5 * self.tip_diameter - r
 
-    def pieces(self) -> list[Callable[[Array], Flank]]:
+    def pieces(self) -> list[Callable[[Array], RolledFlank]]:
         """Smooth pieces of the addendum from the tip to the pitch circle, over 0 to 1."""
         return {
             "arc_involute_arc": self._arc_involute_arc,
@@ -107,7 +107,7 @@ class ContinuousGear:
             "cycloidal": self._cycloidal,
         }[self.family]()
 
-    def points(self, flank: Flank, *, mate: bool = False) -> Array:
+    def points(self, flank: RolledFlank, *, mate: bool = False) -> Array:
         """Points of the flank, or of the dedendum that is its mate. Shape (n, 2). [m]."""
         roll = math.pi / self.tooth_count - flank.roll if mate else flank.roll
         distance = (-flank.distance if mate else flank.distance) - 0.25 * self.backlash
@@ -208,21 +208,21 @@ class ContinuousGear:
         u = root_between(wide, 0.0, 1.0, 1e-15)
         return u, self.points(first(np.array([u])))[0]
 
-    def _arc_involute_arc(self) -> list[Callable[[Array], Flank]]:
+    def _arc_involute_arc(self) -> list[Callable[[Array], RolledFlank]]:
         assert self.pressure_angle is not None
         radius, side = self.addendum, 0.5 * math.pi - self.pressure_angle
         base = self.reference_radius * math.cos(self.pressure_angle)
 
-        def arc(u: Array) -> Flank:
-            return Flank(np.zeros_like(u), np.full_like(u, radius), side * u)
+        def arc(u: Array) -> RolledFlank:
+            return RolledFlank(np.zeros_like(u), np.full_like(u, radius), side * u)
 
-        def involute(u: Array) -> Flank:
+        def involute(u: Array) -> RolledFlank:
             roll = self.quarter_pitch * u
-            return Flank(roll, radius - base * roll, np.full_like(u, side))
+            return RolledFlank(roll, radius - base * roll, np.full_like(u, side))
 
         return [arc, involute]
 
-    def _circular_arc(self) -> list[Callable[[Array], Flank]]:
+    def _circular_arc(self) -> list[Callable[[Array], RolledFlank]]:
         # centre on the axis of the tooth, through tip and pitch circle
         r, quarter = self.reference_radius, self.quarter_pitch
         tip = r + self.addendum
@@ -230,16 +230,16 @@ class ContinuousGear:
         center = (tip**2 - r**2) / (2.0 * (tip - end[0]))
         last = float(np.arctan2(end[1], end[0] - center))
 
-        def arc(u: Array) -> Flank:
+        def arc(u: Array) -> RolledFlank:
             points = polar(tip - center, last * u) + np.array([center, 0.0])
             return _from_normals(points, last * u, r)
 
         return [arc]
 
-    def _sinusoidal(self) -> list[Callable[[Array], Flank]]:
+    def _sinusoidal(self) -> list[Callable[[Array], RolledFlank]]:
         r, z, height = self.reference_radius, self.tooth_count, self.addendum
 
-        def wave(u: Array) -> Flank:
+        def wave(u: Array) -> RolledFlank:
             angle = self.quarter_pitch * u
             radius, slope = r + height * np.cos(z * angle), -height * z * np.sin(z * angle)
             normal = angle - np.arctan2(slope, radius)
@@ -247,28 +247,28 @@ class ContinuousGear:
 
         return [wave]
 
-    def _cycloidal(self) -> list[Callable[[Array], Flank]]:
+    def _cycloidal(self) -> list[Callable[[Array], RolledFlank]]:
         # a circle that rolls half a turn from the tip to the pitch circle
         wheel = 0.5 * self.reference_radius / self.tooth_count
 
-        def arch(u: Array) -> Flank:
+        def arch(u: Array) -> RolledFlank:
             # even along the curve, whose curvature has no bound at the pitch circle
             turn = 2.0 * np.arccos(np.clip(u, 0.0, 1.0))
             roll = self.quarter_pitch * (1.0 - turn / math.pi)
-            return Flank(roll, 2.0 * wheel * np.sin(0.5 * turn), 0.5 * (math.pi - turn))
+            return RolledFlank(roll, 2.0 * wheel * np.sin(0.5 * turn), 0.5 * (math.pi - turn))
 
         return [arch]
 
 
-def _from_normals(points: Array, normal: Array, radius: float) -> Flank:
-    """Flank from points [m] and the directions of their normals [rad] about a pitch circle [m]."""
+def _from_normals(points: Array, normal: Array, radius: float) -> RolledFlank:
+    """Places of points [m] with directions of normals [rad], about a pitch circle [m]."""
     out = np.column_stack([np.cos(normal), np.sin(normal)])
     along = np.sum(points * out, axis=1)
     room = along**2 - (np.sum(points**2, axis=1) - radius**2)
     distance = along - np.sqrt(np.where(room >= 0.0, room, np.nan))
     foot = points - distance[:, None] * out
     roll = np.arctan2(foot[:, 1], foot[:, 0])
-    return Flank(roll, distance, normal - roll)
+    return RolledFlank(roll, distance, normal - roll)
 
 
 def generate_continuous(gear: ContinuousGear, points_per_tooth: int = 400) -> GearProfile:
@@ -289,10 +289,10 @@ def generate_continuous(gear: ContinuousGear, points_per_tooth: int = 400) -> Ge
         tip = float(np.hypot(*corner))
         segments.append(CurveSegment(lambda u: polar(tip, land * u), (0.0, 2.0)))
 
-    def above(piece: Callable[[Array], Flank], first: float) -> Callable[[Array], Array]:
+    def above(piece: Callable[[Array], RolledFlank], first: float) -> Callable[[Array], Array]:
         return lambda u: gear.points(piece(first + (1.0 - first) * u))
 
-    def below(piece: Callable[[Array], Flank]) -> Callable[[Array], Array]:
+    def below(piece: Callable[[Array], RolledFlank]) -> Callable[[Array], Array]:
         return lambda u: gear.points(piece(1.0 - u), mate=True)
 
     for k, piece in enumerate(pieces):
