@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import toothspace as ts
@@ -9,6 +10,7 @@ from toothspace.case.shipped import shipped_case
 from toothspace.core.errors import CaseError
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.model.fluid import library_liquid
+from toothspace.run.heating import HeatSearch
 
 CASE = shipped_case("egm12_motor")
 QUICK = ["run.samples_per_revolution=180", "run.relative_tolerance=1e-5"]
@@ -87,3 +89,21 @@ def test_soon_after_the_start_films_are_as_cold_as_the_supply(network) -> None:
 def test_heat_is_refused_where_it_would_be_ignored(case: str, overrides: list[str]) -> None:
     with pytest.raises(CaseError, match=r"(heat|run\.film_oil_share): found"):
         ts.load_case(shipped_case(case), overrides)
+
+
+def test_single_revolutions_lead_to_the_temperatures_of_whole_runs(
+    monkeypatch: pytest.MonkeyPatch, coupled
+) -> None:
+    begun = []
+
+    def never(search: HeatSearch, turned) -> None:
+        begun.append(search)
+
+    monkeypatch.setattr(HeatSearch, "come_near", never)
+    whole, numbers = summary("heat.model=coupled")
+    assert begun
+    near, also = coupled
+    apart = np.abs(near.data["temperature"].values - whole.data["temperature"].values)
+    assert apart.max() < 0.2
+    for name in ("mean_torque_N_m", "volumetric_efficiency", "hydromechanical_efficiency"):
+        assert also[name] == pytest.approx(numbers[name], rel=5e-4)

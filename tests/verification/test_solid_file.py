@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.processes import program_named
 from toothspace.elasticity import (
     AreaPressure,
     ElasticBody,
@@ -25,7 +25,7 @@ from toothspace.elasticity.elements import nodal_masses
 INNER, OUTER, HEIGHT = 10e-3, 25e-3, 12e-3
 SECTION = annulus(INNER, OUTER)
 
-needs_gmsh = pytest.mark.skipif(shutil.which("gmsh") is None, reason="gmsh is not installed")
+needs_gmsh = pytest.mark.skipif(program_named("gmsh") is None, reason="gmsh is not installed")
 
 
 @pytest.fixture

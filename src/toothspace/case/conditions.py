@@ -49,6 +49,9 @@ class FluidChoice(KeyTable):
     table: Path | Columns | None = file_path(
         "Table of properties over temperature and pressure.", ".csv", columns=True
     )
+    data_sheet: Path | None = file_path(
+        "Data sheet: density, and viscosities at 40 and 100 degC or the viscosity index.", ".toml"
+    )
     temperature: float = quantity("degC", "Temperature of the fluid.", low=-60, high=250)
     free_air_fraction: float = number(
         "Free air over liquid volume at one atmosphere.", low=0, high=0.2, default=0.002
@@ -77,8 +80,10 @@ class FluidChoice(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.table is None:
-            require(self, "unless a table is given", "name")
+        if self.data_sheet is not None:
+            forbid(self, "because a data sheet is given", "name", "table")
+        elif self.table is None:
+            require(self, "unless a table or a data sheet is given", "name")
             names = library_names("fluids")
             if self.name not in names:
                 raise CaseError("name", repr(self.name), ", ".join(names))
@@ -87,8 +92,8 @@ class FluidChoice(KeyTable):
 
     @property
     def source(self) -> str | Path | Columns:
-        """The table, or else the name in the library."""
-        return self.name or "" if self.table is None else self.table
+        """The table, the data sheet, or else the name in the library."""
+        return self.table or self.data_sheet or self.name or ""
 
 
 @final

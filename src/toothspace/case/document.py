@@ -41,7 +41,7 @@ CONDITIONS = ("operating_point", "circuit", "bearing", "film")
 ALTERNATIVES = (
     ("run.until", "run.revolutions"),
     ("machine.gears.normal_backlash", "machine.gears.center_distance"),
-    ("fluid.name", "fluid.table"),
+    ("fluid.name", "fluid.table", "fluid.data_sheet"),
     ("bearing.eccentricity", "bearing.load"),
     CONDITIONS,
 )

@@ -108,8 +108,12 @@ def run(
 def _load_ahead() -> None:
     """Load what keeps results; compiled code leaves the interpreter free for it."""
     with suppress(Exception):  # who needs a library says what it lacks
-        for library in ("xarray", "h5netcdf"):
+        for library in ("toothspace.core.netcdf", "h5netcdf"):
             import_module(library)
+        import xarray as xr
+
+        # xarray loads the array types that it knows when it first meets an array
+        xr.Variable("x", [0.0]).to_numpy()
 
 
 def _keep(solution: Solution, target: Path) -> Path | None:

@@ -72,6 +72,10 @@ def fluids() -> dict[str, str]:
     """Return titles and temperature ranges of the fluids of the library by name."""
     found = {}
     for name in library_names("fluids"):
-        low, high = load_fluid(name)["temperature_range_degC"]
-        found[name] = f"{load_fluid(name)['title']}, {low:g} to {high:g} degC"
+        entry = load_fluid(name)
+        if "temperature_range_degC" in entry:
+            low, high = (f"{end:g} degC" for end in entry["temperature_range_degC"])
+        else:
+            low, high = entry["lowest_temperature"], entry["highest_temperature"]
+        found[name] = f"{entry['title']}, {low.removesuffix(' degC')} to {high}"
     return found

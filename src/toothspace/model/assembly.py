@@ -155,7 +155,10 @@ class System:
 
     def at(self, **changes: Any) -> System:
         """System of the same machine and fluid at a condition in which some values differ."""
-        condition = replace(self.condition, **changes)
+        return self.under(replace(self.condition, **changes))
+
+    def under(self, condition: OperatingCondition) -> System:
+        """System of the same machine and fluid at another condition."""
         return assemble(self.description, self.arrays.fluid, condition)
 
     @property
@@ -454,9 +457,12 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     pattern[0, 1] = True
     columns = [_columns(arrays, node) for node in range(size.nodes)]
     rows = [_rows(arrays, node) for node in range(size.nodes)]
+    # paths of a family share their table
+    tables = {int(table) for table in arrays.paths.table}
+    heights = {table: _moved(arrays, table, col.HEIGHT_BY_MOTION) for table in tables}
     for j, index in enumerate(arrays.path_index):
         a = int(index[col.NODE_A])
-        moved = _moved(arrays, int(arrays.paths.table[j]), col.HEIGHT_BY_MOTION)
+        moved = heights[int(arrays.paths.table[j])]
         first, count = int(index[col.NODE_B]), 1
         if index[col.PARTNER_SHIFT] != 0:
             first, count = int(index[col.FAMILY_FIRST]), int(index[col.FAMILY_COUNT])

@@ -12,6 +12,7 @@ import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NoReturn, final
@@ -32,6 +33,7 @@ from toothspace.core.units import (
     to_si,
 )
 from toothspace.library import load_fluid
+from toothspace.model.data_sheet import data_sheet, read_data_sheet
 
 REQUIRED = {"temperature": "K", "pressure": "Pa", "density": "kg/m^3", "dynamic_viscosity": "Pa s"}
 """Columns that a table must have, and the unit they are read in."""
@@ -44,6 +46,9 @@ DEFAULT_HEAT_CAPACITY = 2000.0
 
 VAPOUR_FLOOR = 1000.0
 """Lowest vapour pressure that the equation of state is given: numerical floor. [Pa]"""
+
+SHEET = ".toml"
+"""Ending of data sheets."""
 
 ROUNDING = 1e-6
 """Temperature by which a fluid is known beyond its range, as left by a change of units. [K]"""
@@ -274,9 +279,11 @@ __all__ = [
     "fit_table",
     "fluid_law",
     "highest_pressure",
+    "known_range",
     "library_liquid",
     "liquid_at",
     "mixed_law",
+    "properties_table",
     "temperature_range",
 ]
 
@@ -326,19 +333,19 @@ def _linear(table: Mapping[str, Any], temperature: float) -> float:
     return float(table["at_20_degC"] + table["per_kelvin"] * (temperature - 20.0 - ZERO_CELSIUS))
 
 
-def library_liquid(name: str, temperature: float) -> LiquidState:
-    """Return the properties of a library fluid at a temperature.
+def library_liquid(source: str | Path, temperature: float) -> LiquidState:
+    """Return the properties of a fluid of the library or a data sheet at a temperature.
 
     Raises CaseError if the fluid is unknown or the temperature outside its range.
 
     Parameters
     ----------
-    name : str
-        Name of the fluid. [-]
+    source : str or Path
+        Name of the fluid, or file of its data sheet. [-]
     temperature : float
         Absolute temperature. [K]
     """
-    table = load_fluid(name)
+    table, name = _constants(source), source if isinstance(source, str) else source.name
     low, high = table["temperature_range_degC"]
     celsius = temperature - ZERO_CELSIUS
     if not low - ROUNDING <= celsius <= high + ROUNDING:
@@ -352,9 +359,12 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     curve = table["viscosity"]
     shift = curve["walther_shift_cSt"]
     if "points_cSt" in curve:
-        kelvin = tuple(t + ZERO_CELSIUS for t in curve["points_degC"])
-        viscosities = tuple(1e-6 * nu for nu in curve["points_cSt"])
-        constants = walther_constants(kelvin, viscosities, shift)
+        # through the two points next to the temperature
+        points = np.asarray(curve["points_degC"]) + ZERO_CELSIUS
+        upper = int(np.clip(np.searchsorted(points, temperature), 1, points.size - 1))
+        kelvin = float(points[upper - 1]), float(points[upper])
+        thick, thin = (1e-6 * nu for nu in curve["points_cSt"][upper - 1 : upper + 1])
+        constants = walther_constants(kelvin, (thick, thin), shift)
     else:
         constants = (curve["walther_intercept"], curve["walther_slope"])
     kinematic = float(walther_viscosity(temperature, *constants, shift))
@@ -392,7 +402,7 @@ def highest_pressure(source: str | Path | Columns, temperature: float) -> float:
     table = _table(source)
     if table is not None:
         return fit_table(table, temperature).highest_pressure
-    return float(load_fluid(str(source))["pressure_range_Pa"][1])
+    return float(_constants(source)["pressure_range_Pa"][1])
 
 
 def temperature_range(source: str | Path | Columns) -> tuple[float, float]:
@@ -407,8 +417,75 @@ def temperature_range(source: str | Path | Columns) -> tuple[float, float]:
     if table is not None:
         temperatures = _read(table)[0]["temperature"]
         return float(temperatures.min()), float(temperatures.max())
-    low, high = load_fluid(str(source))["temperature_range_degC"]
+    low, high = _constants(source)["temperature_range_degC"]
     return low + ZERO_CELSIUS, high + ZERO_CELSIUS
+
+
+def known_range(source: str | Path) -> dict[str, str]:
+    """Say what a fluid is known from, between which limits, and what is extrapolated.
+
+    Raises CaseError if the fluid is unknown, or its file refused.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a library fluid, a data sheet (TOML) or a table (CSV). [-]
+    """
+    table = _table(source)
+    low, high = temperature_range(source)
+    bar = f"{1e-5 * highest_pressure(source, 0.5 * (low + high)):g} bar"
+    told = {
+        "pressure": f"to {bar}; extrapolated beyond, as in contacts at 4 kbar: density by its law, "
+        "viscosity held from 1000 bar"
+    }
+    if table is not None:
+        return {"viscosity": "of the table, logarithm linear between its temperatures", **told}
+    entry = _constants(source)
+    points = entry["viscosity"].get("points_degC")
+    law = "by constants of ASTM D341"
+    if points is not None:
+        law = f"known from {points[0]:g} to {points[-1]:g} degC, extrapolated by ASTM D341 outside"
+    sources = {
+        f"source_{key}": value["source"]
+        for key, value in entry.items()
+        if isinstance(value, dict) and "source" in value
+    }
+    whole = {"source": entry["source"]} if entry.get("source") else {}
+    return {"viscosity": law, **told, **whole, **sources}
+
+
+_STEP = 20.0
+"""Between the temperatures of a table of properties. [K]"""
+
+
+def properties_table(source: str | Path) -> list[dict[str, float]]:
+    """Properties of a liquid over its temperatures, at zero pressure; names carry their units.
+
+    Raises CaseError if the fluid is unknown, or its file refused.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a library fluid, a data sheet (TOML) or a table (CSV). [-]
+    """
+    low, high = (end - ZERO_CELSIUS for end in temperature_range(source))
+    inner = np.arange(np.ceil(low / _STEP) * _STEP, high + 1e-9, _STEP)
+    rows = []
+    for celsius in np.unique(np.round([low, *inner, high], 6)):
+        liquid = liquid_at(source, float(celsius) + ZERO_CELSIUS)
+        rows.append(
+            {
+                "temperature_degC": float(celsius),
+                "density_kg_per_m3": liquid.density,
+                "kinematic_viscosity_mm2_per_s": 1e6 * liquid.dynamic_viscosity / liquid.density,
+                "dynamic_viscosity_mPa_s": 1e3 * liquid.dynamic_viscosity,
+                "pressure_viscosity_1_per_GPa": 1e9 * liquid.pressure_viscosity,
+                "bulk_modulus_GPa": 1e-9 * liquid.bulk_modulus,
+                "specific_heat_capacity_J_per_kg_K": liquid.specific_heat_capacity,
+                "vapour_pressure_bar": 1e-5 * liquid.vapour_pressure,
+            }
+        )
+    return rows
 
 
 def fluid_law(
@@ -450,14 +527,36 @@ def liquid_at(source: str | Path | Columns, temperature: float) -> LiquidState:
     table = _table(source)
     if table is not None:
         return fit_table(table, temperature)
-    return library_liquid(str(source), temperature)
+    return library_liquid(source if isinstance(source, Path) else str(source), temperature)
 
 
 def _table(source: str | Path | Columns) -> Path | Columns | None:
-    """Table that a source stands for; None for the name of a library fluid."""
+    """Table that a source stands for; None for a library fluid or a data sheet."""
     if isinstance(source, str):
         return Path(source) if source.endswith(".csv") else None
-    return source
+    return None if isinstance(source, Path) and source.suffix == SHEET else source
+
+
+def _constants(source: str | Path | Columns) -> Mapping[str, Any]:
+    """Constants of a library fluid or a data sheet."""
+    if isinstance(source, Path):
+        return _of_sheet(source, source.stat().st_mtime_ns if source.is_file() else 0)
+    return _of_library(str(source))
+
+
+@cache
+def _of_sheet(path: Path, _modified: int) -> Mapping[str, Any]:
+    return read_data_sheet(path).properties()
+
+
+@cache
+def _of_library(name: str) -> Mapping[str, Any]:
+    found = load_fluid(name)
+    return (
+        found
+        if "density" in found and isinstance(found["density"], Mapping)
+        else (data_sheet(found, name).properties())
+    )
 
 
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:

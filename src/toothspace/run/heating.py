@@ -12,7 +12,7 @@ two bodies between which they lie, teeth and walls exchange heat with the oil in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -31,14 +31,17 @@ from toothspace.model.lumped_films import lateral_face_torque
 from toothspace.model.path_category import DRAIN, LATERAL, LATERAL_PATHS
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.roots import root_between
+from toothspace.results.ledger import Ledger
 from toothspace.results.performance import drain_flow
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.run.condition import fluid_keys, fluid_temperature
+from toothspace.solver.cyclic import History
+from toothspace.solver.outcome import drain_of, window_ledger
 
 _AGREED = 0.1
 """Change of a film temperature between two rounds that is left. [K]"""
-_ROUNDS = 12
+_ROUNDS, _NEAR_ROUNDS = 12, 6
 _REMEMBERED = 1
 """Former rounds from which the next temperatures are extrapolated."""
 _TOO_WARM = (
@@ -79,8 +82,38 @@ class HeatSearch:
         self.machine = description
         """The machine with films as warm as the present guess."""
         self._case, self._description = case, description
-        self._mixing, self._rounds, self._warning = Mixing(_REMEMBERED), 0, ""
+        self._warning = ""
         self._heat: tuple[HeatNetwork, dict[str, float]] | None = None
+        self._cold: tuple[Solution, tuple[HeatNetwork, dict[str, float]]] | None = None
+        self._begin_cold()
+
+    def _begin_cold(self) -> None:
+        self.machine, self._rounds, self._mixing = self._description, 0, Mixing(_REMEMBERED)
+        self._tried = np.zeros(0)
+
+    def come_near(self, turned: Callable[[MachineDescription], History]) -> None:
+        """Find temperatures from single revolutions, so that few runs to a cyclic state follow.
+
+        Parameters
+        ----------
+        turned : callable
+            Marches a machine for one revolution from where the last one ended.
+        """
+        if self._case.heat.model != "coupled":
+            return
+        change = np.inf
+        while change >= _AGREED and self._rounds < _NEAR_ROUNDS:
+            history = turned(self.machine)
+            if history.status is not Status.DONE:
+                break
+            ledger = window_ledger(history)
+            _, temperature = self._warmth(ledger, drain_of(history, ledger))
+            highest = temperature_range(fluid_keys(self._case).source)[1]
+            if max(temperature.values()) > highest:
+                break
+            change = self._follow(temperature)
+        if change >= _AGREED:
+            self._begin_cold()
 
     def agree_with(self, found: Solution) -> bool:
         """Whether films are as warm as a run makes them, or no better guess is to be had."""
@@ -88,34 +121,55 @@ class HeatSearch:
         if case.heat.model == "adiabatic" or found.status is not Status.DONE:
             self._heat = None
             return True
-        heat, ledger = case.heat, found.ledger
-        flows = HeatFlows(
-            shaft_speed=ledger.shaft_angle / ledger.duration,
-            losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
-            through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
-            drain_flow=drain_flow(found.data, ledger),
-        )
-        liquid, supply = liquid_of(case), fluid_temperature(case)
-        network = heat_network(self._description, liquid, supply, flows, heat)
-        time = heat.running_time
-        temperature = network.steady() if time is None else network.after(time)
-        self._heat = network, temperature
+        self._heat = self._warmth(found.ledger, drain_flow(found.data, found.ledger))
         if case.heat.model != "coupled":
             return True
+        temperature = self._heat[1]
         reached, supply = np.array(list(temperature.values())), fluid_temperature(case)
         highest = temperature_range(fluid_keys(case).source)[1]
         if self._rounds == 0:
-            self._cold, self._tried = (found, self._heat), np.full(reached.size, supply)
-        change = float(np.abs(reached - self._tried).max())
+            self._cold = found, self._heat
+        tried = self._tried if self._rounds else np.full(reached.size, supply)
+        change = float(np.abs(reached - tried).max())
         if change < _AGREED:
             return True
         if self._rounds == _ROUNDS:
             self._warning = _NOT_AGREED.format(change)
             return True
-        if self._tried.max() >= highest and reached.max() > highest:
+        if tried.max() >= highest and reached.max() > highest:
+            if self._cold is None:
+                self._begin_cold()
+                return False
             self._solution, self._heat = self._cold
             self._warning = _TOO_WARM.format(reached.max() - ZERO_CELSIUS, highest - ZERO_CELSIUS)
             return True
+        self._follow(temperature)
+        return False
+
+    def _warmth(self, ledger: Ledger, drain: float) -> tuple[HeatNetwork, dict[str, float]]:
+        """Network of the heat flows of a revolution, and its temperatures."""
+        case, heat = self._case, self._case.heat
+        flows = HeatFlows(
+            shaft_speed=ledger.shaft_angle / ledger.duration,
+            losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
+            through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
+            drain_flow=drain,
+        )
+        liquid, supply = liquid_of(case), fluid_temperature(case)
+        network = heat_network(self._description, liquid, supply, flows, heat)
+        time = heat.running_time
+        return network, network.steady() if time is None else network.after(time)
+
+    def _follow(self, temperature: Mapping[str, float]) -> float:
+        """Guess the next temperatures from those that a guess led to; returns the change. [K]."""
+        case, supply = self._case, fluid_temperature(self._case)
+        reached, highest = (
+            np.array(list(temperature.values())),
+            temperature_range(fluid_keys(case).source)[1],
+        )
+        if self._rounds == 0:
+            self._tried = np.full(reached.size, supply)
+        change = float(np.abs(reached - self._tried).max())
         following = self._mixing.following(self._tried, reached - self._tried)
         if self._rounds == 0:
             # share of a rise with cold films that is left if all heat follows the viscosity
@@ -131,7 +185,7 @@ class HeatSearch:
         self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
         warm = dict(zip(temperature, self._tried, strict=True))
         self.machine = _warmed(case, self._description, warm)
-        return False
+        return change
 
     @property
     def solution(self) -> Solution:

@@ -34,6 +34,7 @@ from toothspace.core.units import format_si
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
 from toothspace.model.chambers import wall_volume
+from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
 from toothspace.solver.accuracy import balanced
@@ -132,7 +133,8 @@ def march_against_orifice(
     plan : RunPlan
         How long to march in every round.
     last : History, optional
-        A former run of the same machine or of one that differs little, to begin with.
+        A former run of the same machine or of one that differs little, to begin with: against an
+        orifice, or with the outlet held as by :func:`march_held`.
     progress : callable, optional
         Called with the finished share and a short text.
 
@@ -144,12 +146,16 @@ def march_against_orifice(
         What was not reached, and what to do; empty if nothing.
     """
     wanted = system.condition.outlet_pressure - system.condition.load_pressure
-    if last is not None:
+    held = last
+    if last is not None and last.system.condition.load_area > 0.0:
         loaded = system.at(load_area=last.system.condition.load_area)
         history, told = _sized(loaded, wanted, plan, first_turn_state(last), progress)
         if not told:
             return history, told
-    held = _held(system, system.condition.outlet_pressure, plan, progress)
+        held = None
+    if held is None:
+        condition = with_held_outlet(system.condition)
+        held = march_held(system.under(condition), plan, progress)
     if held.status in CUT_SHORT:
         return held, ""
     balance = outlet_balance(held)
@@ -229,15 +235,36 @@ def _stuck(
     return moved < _HARDLY * abs(balance.pressure - wanted)
 
 
-def _held(system: System, pressure: float, plan: RunPlan, progress: Progress | None) -> History:
-    """March until cyclic with the outlet held at a pressure, and no line behind it."""
-    circuit = system.condition.circuit if system.condition.load_node == "outlet" else None
-    held = system.at(outlet_pressure=pressure, circuit=circuit, load_node="outlet")
+def with_held_outlet(
+    condition: OperatingCondition, pressure: float | None = None
+) -> OperatingCondition:
+    """Condition whose outlet is held at a pressure, without a line behind it.
+
+    Parameters
+    ----------
+    pressure : float, optional
+        The pressure asked for if not given. [Pa]
+    """
+    return replace(
+        condition,
+        outlet_pressure=condition.outlet_pressure if pressure is None else pressure,
+        circuit=condition.circuit if condition.load_node == "outlet" else None,
+        load_node="outlet",
+        load_area=0.0,
+    )
+
+
+def march_held(
+    held: System, plan: RunPlan, progress: Progress | None, state: Array | None = None
+) -> History:
+    """March a system with a held outlet, with progress that names what it is for."""
 
     def sizing(_: float, text: str) -> None:
         tell(progress, UNKNOWN, f"load orifice, {text}")
 
-    return march_revolutions(held, replace(plan, revolutions=None), sizing)
+    # the first one goes on until it repeats, however few revolutions are kept
+    whole = plan if state is not None else replace(plan, revolutions=None)
+    return march_revolutions(held, whole, sizing, state)
 
 
 def _takes_back(
@@ -256,7 +283,7 @@ def _takes_back(
         asked = digit * math.floor(pressure / digit)
         if asked < least:
             break
-        history = _held(system, asked, plan, progress)
+        history = march_held(system.under(with_held_outlet(condition, asked)), plan, progress)
         tried = outlet_balance(history)
         if tried.delivered > 0.0 and history.status not in CUT_SHORT:
             holds = asked

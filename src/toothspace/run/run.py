@@ -29,7 +29,7 @@ from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution, standing
 from toothspace.run.condition import fluid_temperature
 from toothspace.run.heating import HeatSearch
-from toothspace.run.load_orifice import march_against_orifice
+from toothspace.run.load_orifice import march_against_orifice, march_held, with_held_outlet
 from toothspace.run.running_in import Tracks, run_in
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
@@ -160,14 +160,6 @@ class Run:
         return self.tracks.marked(solution.short_of("" if places is None else places.warning))
 
 
-def _same_parts(last: History | None, system: System) -> bool:
-    """Whether a march can begin where one of another system has ended."""
-    if last is None:
-        return False
-    loaded = system.at(load_area=last.system.condition.load_area)
-    return last.system.arrays.size == loaded.arrays.size
-
-
 @final
 class Marches:
     """Marches of one run to its cyclic state; each begins where the last one ended.
@@ -184,34 +176,62 @@ class Marches:
 
     def __init__(self, run: Run, progress: Progress | None, begin: History | None) -> None:
         self._run, self._progress = run, progress
+        point, settings = run.case.operating_point, run.case.run
+        self._orifice = point is not None and point.outlet_load == "orifice"
+        self._plan = RunPlan(
+            revolutions=settings.revolutions,
+            max_revolutions=settings.max_revolutions,
+            samples_per_revolution=settings.samples_per_revolution,
+            max_steps=settings.step_limit(over_time=False),
+        )
         self.last = begin
         """The last march that was done; None where the next one begins anew."""
 
     def __call__(self, machine: MachineDescription) -> Solution:
         """March this machine to its cyclic state."""
-        run, case, progress = self._run, self._run.case, self._progress
-        plan = RunPlan(
-            revolutions=case.run.revolutions,
-            max_revolutions=case.run.max_revolutions,
-            samples_per_revolution=case.run.samples_per_revolution,
-            max_steps=case.run.step_limit(over_time=False),
-        )
-        point = case.operating_point
-        orifice = point is not None and point.outlet_load == "orifice"
+        run, progress = self._run, self._progress
         seats, settled = SeatSearch(machine), False
         while not settled:
             system = assemble(seats.machine, run.fluid, run.condition)
-            last = self.last if _same_parts(self.last, system) else None
-            if orifice:
-                history, told = march_against_orifice(system, plan, last, progress)
+            last = self._begin(system)
+            if self._orifice:
+                history, told = march_against_orifice(system, self._plan, last, progress)
             else:
                 state = None if last is None else first_turn_state(last)
-                history, told = march_to_balance(system, plan, progress, state), ""
+                history, told = march_to_balance(system, self._plan, progress, state), ""
             self.last = history if history.status is Status.DONE else None
-            found = solution_from(history, run.provenance, run.values, case.title)
+            found = solution_from(history, run.provenance, run.values, run.case.title)
             found = found.short_of(told)
             settled = seats.agree_with(found)
         return run.marked(seats.noted(found.with_note(*flow_regimes(history))))
+
+    def turned(self, machine: MachineDescription) -> History:
+        """One revolution of this machine from where the last march ended, its pressures held.
+
+        The first goes on until it repeats. Near the cyclic state it tells mean flows and losses
+        at the cost of one revolution.
+        """
+        run, condition = self._run, self._run.condition
+        if self._orifice:
+            condition = with_held_outlet(condition)
+        system = assemble(machine, run.fluid, condition)
+        last = self._begin(system)
+        state = None if last is None else first_turn_state(last)
+        plan = replace(self._plan, revolutions=None if last is None else 1)
+        history = march_held(system, plan, self._progress, state)
+        self.last = history if history.status is Status.DONE else None
+        return history
+
+    def _begin(self, system: System) -> History | None:
+        """The last march, where a march of a system can begin at its end."""
+        if self.last is None:
+            return None
+        before, after = self.last.system, system
+        if self._orifice and before.condition.load_node != after.condition.load_node:
+            after = after.under(with_held_outlet(after.condition))
+        if before.condition.load_area > 0.0:
+            after = after.at(load_area=before.condition.load_area)
+        return self.last if before.arrays.size == after.arrays.size else None
 
 
 def provenance_of(case: Case) -> dict[str, str]:
@@ -335,18 +355,19 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     ready = run.worn(progress).with_films(progress)
     if ready.condition.over_time:
         return ready.march(progress)
-    return _warmed_through(ready, progress).solution
+    march, heat = ready.repeated(progress), HeatSearch(ready.case, ready.machine)
+    heat.come_near(march.turned)
+    while not heat.agree_with(march(heat.machine)):
+        pass
+    return heat.solution
 
 
 def warmed_through(run: Run, progress: Progress | None = None) -> Run:
     """Run whose films are as warm as its operating point makes them, where the case asks so."""
     if run.condition.over_time or run.case.heat.model != "coupled":
         return run
-    return replace(run, machine=_warmed_through(run, progress).machine)
-
-
-def _warmed_through(run: Run, progress: Progress | None) -> HeatSearch:
     march, heat = run.repeated(progress), HeatSearch(run.case, run.machine)
+    heat.come_near(march.turned)
     while not heat.agree_with(march(heat.machine)):
         pass
-    return heat
+    return replace(run, machine=heat.machine)

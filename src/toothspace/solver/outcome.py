@@ -78,8 +78,7 @@ def solution_from(
     condition = system.condition
     span = abs(condition.inlet_pressure - condition.outlet_pressure)
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    drains = np.array([category.role == "drain" for category in system.categories])
-    flow = seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]]
+    flow = _into_drains(system, seen)
     values = {
         **ports,
         **constants,
@@ -180,6 +179,21 @@ def _tips(system: System) -> dict[str, slice]:
             found[path.name] = slice(first, first + path.count)
         first += path.count
     return found
+
+
+def _into_drains(system: System, seen: Observation) -> Array:
+    drains = np.array([category.role == "drain" for category in system.categories])
+    return np.asarray(seen.path_flow @ drains[system.arrays.path_index[:, col.CATEGORY]])
+
+
+def drain_of(history: History, ledger: Ledger) -> float:
+    """Mean mass flow from the chambers to the drain, external or internal. [kg/s]."""
+    outside = ledger.mass.get("drain", 0.0)
+    if outside:
+        return outside / ledger.duration
+    return float(
+        _into_drains(history.system, observe(history.system.arrays, history.states)).mean()
+    )
 
 
 def lateral_values(history: History, seen: Observation) -> dict[str, Array]:

@@ -10,6 +10,7 @@ import pytest
 from toothspace.closures.density import liquid_specific_volume
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.library import library_names, load_fluid, load_material
 from toothspace.model.fluid import GasModel, fit_table, fluid_law, liquid_at, temperature_range
 
@@ -22,7 +23,10 @@ def test_the_library_holds_the_promised_fluids() -> None:
 
 @pytest.mark.parametrize("name", library_names("fluids"))
 def test_every_value_of_a_fluid_has_its_source(name: str) -> None:
-    sections = [value for value in load_fluid(name).values() if isinstance(value, dict)]
+    entry = load_fluid(name)
+    # a data sheet has one source for all its figures
+    tables = [value for value in entry.values() if isinstance(value, dict)]
+    sections = [entry] if "viscosity_40" in entry else tables
     assert sections
     assert all(len(section["source"]) > 10 for section in sections)
 
@@ -38,17 +42,17 @@ def test_every_material_is_complete_and_has_its_source(name: str) -> None:
 
 @pytest.mark.parametrize("name", library_names("fluids"))
 def test_constants_are_sane_over_the_whole_range(name: str) -> None:
-    low, high = load_fluid(name)["temperature_range_degC"]
+    low, high = (end - ZERO_CELSIUS for end in temperature_range(name))
     laws = [fluid_law(name, t + 273.15) for t in np.linspace(low, high, 9)]
     viscosity = [law.dynamic_viscosity for law in laws]
     assert np.all(np.diff(viscosity) < 0.0)
     assert np.all(np.diff([law.reference_density for law in laws]) < 0.0)
-    assert all(0.4e9 < 1.0 / law.compliance < 2.5e9 for law in laws)
+    assert all(0.4e9 < 1.0 / law.compliance < 4e9 for law in laws)
     assert all(law.stiffening > 0.0 for law in laws)
 
 
 def test_unknown_fluid_lists_the_allowed_names() -> None:
-    with pytest.raises(CaseError, match=r"fluid\.name: found 'water', allowed iso_vg_32, iso"):
+    with pytest.raises(CaseError, match=r"fluid\.name: found 'water', allowed .*iso_vg_32, iso"):
         fluid_law("water", 323.15)
 
 

@@ -59,7 +59,7 @@ def test_a_pressure_at_which_all_leaks_back_is_a_status_whose_advice_works() -> 
 def test_a_later_run_begins_with_the_orifice_of_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
     machine = pump(150.0, 50e5)
     first, _ = march_against_orifice(machine, PLAN, None, None)
-    monkeypatch.setattr(load_orifice, "_held", None)
+    monkeypatch.setattr(load_orifice, "march_held", None)
     again, told = march_against_orifice(machine, PLAN, first, None)
     assert (again.status, told) == (Status.DONE, "")
     assert again.system.condition.load_area == first.system.condition.load_area
@@ -91,7 +91,9 @@ def test_a_balance_leads_to_the_area_of_a_jet() -> None:
 def test_the_first_area_passes_what_the_model_lets_pass() -> None:
     """An orifice so fine that viscosity counts: flow of the area against the march with it."""
     asked = 250e5
-    held = load_orifice._held(pump(2.5, asked), asked, PLAN, None)
+    machine = pump(2.5, asked)
+    condition = load_orifice.with_held_outlet(machine.condition)
+    held = load_orifice.march_held(machine.under(condition), PLAN, None)
     balance = outlet_balance(held)
     area = load_orifice.first_area(held.system, balance)
     loaded = pump(2.5, asked).at(load_area=area)

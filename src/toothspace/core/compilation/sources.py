@@ -8,7 +8,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -34,12 +34,6 @@ def _texts() -> dict[str, str]:
         ".".join(path.relative_to(PACKAGE).with_suffix("").parts): path.read_text("utf-8")
         for path in PACKAGE.rglob("*.py")
     }
-
-
-def _library() -> dict[str, str]:
-    """Texts of the fluids and materials of the package."""
-    paths = (PACKAGE / "library").rglob("*.toml")
-    return {path.relative_to(PACKAGE).as_posix(): path.read_text("utf-8") for path in paths}
 
 
 @cache
@@ -86,7 +80,23 @@ def digest_of_modules(names: Iterable[str]) -> str:
 @cache
 def digest_of_sources(module: str | None = None) -> str:
     """Digest of the sources behind a module, or of the whole package with its library."""
-    return digest_of_texts(with_imports({module}) if module else {**_texts(), **_library()})
+    if module:
+        return digest_of_texts(with_imports({module}))
+    digest = hashlib.sha256()
+    for path in sorted({*_files(PACKAGE, ".py"), *_files(PACKAGE / "library", ".toml")}):
+        digest.update(path.removeprefix(str(PACKAGE)).encode())
+        digest.update(Path(path).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _files(folder: str | Path, ending: str) -> Iterator[str]:
+    """Files below a folder; as every run asks for them, without a ``Path`` of each."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir():
+                yield from _files(entry.path, ending)
+            elif entry.name.endswith(ending):
+                yield entry.path
 
 
 def cache_root() -> Path:
