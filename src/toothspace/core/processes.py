@@ -130,11 +130,9 @@ def safe_start() -> Iterator[None]:
 def program_named(*names: str) -> str | None:
     """Return the path of the first program that is installed, None without; never one found here.
 
-    Windows looks into the current folder first, and so may a search path of the user. Programs of
-    extras lie beside the interpreter, whose folder is on no search path unless it was activated.
+    Windows looks into the current folder first, and so may a search path of the user.
     """
-    beside = str(Path(sys.executable).parent)
-    found = (shutil.which(name) or shutil.which(name, path=beside) for name in names)
+    found = (shutil.which(name) for name in names)
     return next((path for path in found if path is not None and Path(path).is_absolute()), None)
 
 

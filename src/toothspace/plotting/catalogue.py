@@ -115,7 +115,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Speed, torque of motor and machine, and electric power with what becomes of it.",
         "time",
         waveforms.electric_drive,
-        ("electric_power",),
+        ("electric_power", "drive_torque", "shaft_torque", "pressure_difference"),
         sampled="transient",
     ),
     FigureEntry(

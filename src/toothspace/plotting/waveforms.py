@@ -415,7 +415,7 @@ def electric_drive(solution: Solution, description: MachineDescription | None = 
     figure = new_figure(7.2, 6.0)
     speed, torque, power = figure.subplots(3, 1, sharex=True)
     speed.plot(time, np.asarray(data["shaft_speed"]) * _PER_MINUTE, color=GREEN)
-    speed.set_ylabel("Speed (rpm)")
+    speed.set(ylabel="Speed (rpm)", title="Electric drive over time")
     torque.plot(time, np.asarray(data["shaft_torque"]), color=GREY, label="Machine")
     torque.plot(time, np.asarray(data["drive_torque"]), color=ORANGE, label="Motor")
     torque.set_ylabel("Torque (N m)")

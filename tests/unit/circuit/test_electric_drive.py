@@ -164,6 +164,7 @@ def test_a_map_with_a_drive_is_pump_times_motor(tmp_path: Path) -> None:
     # 200 bar need 15.8 N m, of which the voltage leaves 5 N m at 3000 rpm
     assert np.isnan(data["efficiency_with_drive"][1, 1])
     tables["machine"]["mode"] = "motor"
+    del tables["operating_point"]["outlet_load"]
     tables["operating_point"] |= {"inlet_pressure": "200 bar", "outlet_pressure": "1 bar"}
     with pytest.raises(CaseError, match=r"study\.drive"):
         run_study(Case.from_dict(tables), tmp_path / "motor")
