@@ -4,13 +4,14 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs_ready
+EXTRAS_READY := $(VENV)/.extras_ready
 WORKERS ?= 2
 DEMO := demo_report
 # Byte code must be kept: without it every program reads the sources of all packages again.
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo kernels test claims sample validate mutants bench docs lint format clean
+.PHONY: help setup demo kernels test extras claims sample validate mutants bench docs lint format clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -43,6 +44,16 @@ test: kernels  ## run the test suite (without the slow validation runs)
 PARTS := 13
 PART ?= $(shell echo $$(( ($$(git rev-list --count HEAD 2>/dev/null || echo 0) + $$(date +%s) / 86400) % $(PARTS) )))
 MINUTES ?= 30
+
+$(EXTRAS_READY): requirements/extras.txt $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -r requirements/extras.txt
+	touch $@
+
+extras: $(EXTRAS_READY) kernels  ## test what the optional extras bring, with all of them installed; a skipped test fails
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal --skip-nothing \
+		tests/end_to_end tests/unit/app tests/unit/circuit/test_foreign_units.py tests/unit/fmi tests/unit/geometry \
+		tests/unit/machines/test_gerotor_cad.py tests/unit/case/test_case_draft.py tests/unit/studies
+	$(BIN)/python -m pytest -q -n $(WORKERS) --skip-nothing -m "slow or not slow" tests/verification/test_solid_file.py
 
 sample: kernels  ## run a thirteenth of the slow tests, another one for every commit and day
 	@echo "make sample PART=$(PART)"

@@ -28,6 +28,7 @@ settings.load_profile("toothspace")
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--part", metavar="K/N", help="every N-th test, from the K-th of 0 to N-1 on")
     parser.addoption("--minutes", type=float, help="tests that would begin later are skipped")
+    parser.addoption("--skip-nothing", action="store_true", help="a skipped test is a failure")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -50,6 +51,14 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     minutes = item.config.getoption("--minutes")
     if minutes is not None and time.monotonic() - STARTED > 60.0 * minutes:
         pytest.skip(f"{minutes:g} minutes are over")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail a run that may skip nothing, as where every extra is installed."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if session.config.getoption("--skip-nothing") and reporter and reporter.stats.get("skipped"):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.fixture(scope="session")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
+from toothspace.elasticity.mesh import mesher
 from toothspace.floating.elastic_faces import BodyLoads, ElasticFaces
 from toothspace.floating.problem import lateral_problem
 from toothspace.floating.stack import BackPressure, Snapshot
@@ -62,7 +62,7 @@ SPRINGS = (
 )
 SIZE = MeshSize(0.24, 0.25, 0.2)
 
-needs_gmsh = pytest.mark.skipif(shutil.which("gmsh") is None, reason="gmsh is not installed")
+needs_gmsh = pytest.mark.skipif(not mesher(), reason="gmsh is not installed")
 
 
 def _pressed(**changes: object) -> FloatingBlock:

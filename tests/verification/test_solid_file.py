@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +19,14 @@ from toothspace.elasticity import (
     annulus,
     influence_matrix,
 )
+from toothspace.elasticity import mesh as meshes
 from toothspace.elasticity.elements import nodal_masses
+from toothspace.elasticity.mesh import mesher
 
 INNER, OUTER, HEIGHT = 10e-3, 25e-3, 12e-3
 SECTION = annulus(INNER, OUTER)
 
-needs_gmsh = pytest.mark.skipif(shutil.which("gmsh") is None, reason="gmsh is not installed")
+needs_gmsh = pytest.mark.skipif(not mesher(), reason="gmsh is not installed")
 
 
 @pytest.fixture
@@ -80,6 +81,7 @@ def test_solid_deforms_as_the_same_swept_body(ring: Path) -> None:
 
 def test_missing_program_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(meshes, "find_spec", lambda _: None)
     file = tmp_path / "body.step"
     file.write_text("ISO-10303-21;")
     with pytest.raises(GeometryError, match="found no program gmsh, allowed with it"):

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, final
 
+from toothspace.circuit.electric_drive import ElectricDrive, LinkedDrive
 from toothspace.circuit.elements import ELEMENTS
 from toothspace.circuit.fmu import ForeignUnit, LinkedUnit
 from toothspace.circuit.network import PORT_NODES, CircuitNetwork, CircuitNode, FluidPart
@@ -123,7 +124,12 @@ def build_circuit(
             orifices=(*built.orifices, *added.orifices),
         )
     units = tuple(_linked(name, unit, nodes, rows) for name, unit in circuit.units.items())
-    return replace(built.with_tank_ends(), units=units).with_led_histories()
+    drives = tuple(
+        LinkedDrive(name, drive)
+        for name, drive in circuit.elements.items()
+        if isinstance(drive, ElectricDrive)
+    )
+    return replace(built.with_tank_ends(), units=(*units, *drives)).with_led_histories()
 
 
 def _linked(

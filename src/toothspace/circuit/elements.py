@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from toothspace.circuit.electric_drive import ElectricDrive
 from toothspace.circuit.fmu import ForeignUnit
 from toothspace.circuit.lines import FluidColumn, Hose
 from toothspace.circuit.network import KIND
@@ -49,6 +50,7 @@ ELEMENTS: Mapping[str, type] = {
     "inertia": Inertia,
     "coupling": Coupling,
     "torque_source": TorqueSource,
+    "electric_drive": ElectricDrive,
     "tank": Tank,
     "fmu": ForeignUnit,
 }

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
+from toothspace.circuit.electric_drive import LinkedDrive
 from toothspace.circuit.fmu import LinkedUnit
 from toothspace.circuit.history import Tables, no_history
 from toothspace.closures.fluid_law import FluidLaw
@@ -109,8 +110,8 @@ class CircuitNetwork:
     """What joins them."""
     supply_pressure: float = 1e5
     """Absolute pressure of the tank that supply pumps draw from. [Pa]"""
-    units: tuple[LinkedUnit, ...] = ()
-    """Units of other programs that are told values of the run and set histories."""
+    units: tuple[LinkedUnit | LinkedDrive, ...] = ()
+    """Units of other programs, and a drive, that are told values of the run and set histories."""
     tank_ends: tuple[CircuitNode, ...] = ()
     """Ends of elements and orifices at tanks, each a tank that accounts for its own flow."""
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, final
 
+import numpy as np
+
+from toothspace.circuit.electric_drive import ElectricDrive
 from toothspace.circuit.history import (
     NO_HISTORY,
     SpeedHistory,
@@ -99,7 +102,12 @@ def shaft_of(parts: Iterable[Any]) -> FreeShaft | None:
     fans = [part for part in parts if isinstance(part, Fan)]
     source = _only(parts, TorqueSource, "torque sources")
     coupling = _only(parts, Coupling, "couplings")
-    inertia = sum(part.inertia for part in parts if isinstance(part, (Fan, Inertia)))
+    drive = _only(parts, ElectricDrive, "electric drives")
+    if drive is not None and (source is not None or coupling is not None):
+        other = "a torque source" if source is not None else "a coupling"
+        raise CaseError("circuit", f"{other} and an electric drive", "one of them")
+    turning = (Fan, Inertia, ElectricDrive)
+    inertia = sum(part.inertia for part in parts if isinstance(part, turning))
     if coupling is not None and inertia <= 0.0:
         raise CaseError(
             "circuit",
@@ -111,17 +119,25 @@ def shaft_of(parts: Iterable[Any]) -> FreeShaft | None:
         linear=sum(fan.linear for fan in fans),
         square=sum(fan.quadratic for fan in fans),
         cubic=sum(fan.cubic for fan in fans),
-        load_history=NO_HISTORY if source is None else history(source, "torque", "N m"),
+        load_history=_torque_of(source, drive),
         coupling=coupling,
     )
+
+
+def _torque_of(source: TorqueSource | None, drive: ElectricDrive | None) -> Array:
+    """Torque over time, of a drive the start from which its controller leads it."""
+    if drive is not None:
+        return np.zeros((1, 2))
+    return NO_HISTORY if source is None else history(source, "torque", "N m")
 
 
 def speed_of(parts: Iterable[Any]) -> Array | None:
     """Prescribed shaft speed over time, None where the shaft is free. [s], [rad/s]."""
     parts = tuple(parts)
     source = _only(parts, SpeedSource, "speed sources")
-    if source is not None and any(isinstance(part, Coupling) for part in parts):
-        raise CaseError("circuit", "a coupling and a speed source", "one of them")
+    for kind, name in ((Coupling, "a coupling"), (ElectricDrive, "an electric drive")):
+        if source is not None and any(isinstance(part, kind) for part in parts):
+            raise CaseError("circuit", f"{name} and a speed source", "one of them")
     return None if source is None else source.speed_over_time
 
 

@@ -75,28 +75,46 @@ def cases(as_json: Json = False) -> None:
 
 def fluids(
     fluid: Annotated[
-        str | None, typer.Argument(metavar="[FLUID]", help="Name, data sheet or table.")
+        str | None,
+        typer.Argument(metavar="[FLUID]", help="Name, data sheet, table, or coolprop:NAME."),
+    ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE.csv", help="Table of a fluid of CoolProp."),
     ] = None,
     as_json: Json = False,
+    force: Force = False,
 ) -> None:
     """List the fluids of the library, or properties of one over its temperatures."""
     from toothspace import library
+    from toothspace.model import coolprop
 
     if fluid is None:
         output.write(library.fluids(), as_json=as_json)
         return
-    from toothspace.model.fluid import properties_table
+    from toothspace.core.files import require_writable, write_text
+    from toothspace.model.fluid import known_range, properties_table
 
+    if fluid.startswith(coolprop.PREFIX) != (table is not None):
+        found = "nothing" if table is None else f"{table} for {fluid}"
+        allowed = f"a file .csv for the table of {coolprop.PREFIX}NAME, and only for that"
+        raise CaseError("-o", found, allowed)
+    if table is not None:
+        require_writable(table, "-o", replace=force, endings=(".csv",))
+        write_text(table, coolprop.coolprop_table(fluid.removeprefix(coolprop.PREFIX)))
+        fluid = str(table)
     place = Path(fluid)
+    source = place if place.suffix in {".toml", ".csv"} else fluid
     with named(place):
-        rows = properties_table(place if place.suffix in {".toml", ".csv"} else fluid)
+        rows, known = properties_table(source), known_range(source)
     if as_json:
-        output.write({"properties": rows}, as_json=True)
+        output.write({"properties": rows, "known": known}, as_json=True)
         return
     heads = list(rows[0])
     output.line("  ".join(heads))
     for row in rows:
         output.line("  ".join(f"{row[head]:{len(head)}.5g}" for head in heads))
+    output.write(known, as_json=False)
 
 
 def warmup(as_json: Json = False) -> None:

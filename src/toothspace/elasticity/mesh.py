@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
+import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple, final
@@ -320,6 +323,18 @@ _LIMIT = 600.0
 _ORDER = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
 
 
+_GMSH = "import sys, gmsh; gmsh.initialize(sys.argv, run=True); gmsh.finalize()"
+"""The program of the extra, whose own script asks for whatever Python comes first on the path."""
+
+
+def mesher() -> list[str]:
+    """Command that starts ``gmsh``: that of the extra, or one on the path; empty without."""
+    if find_spec("gmsh") is not None:
+        return [sys.executable, "-P", "-c", _GMSH]
+    program = program_named("gmsh")
+    return [program] if program else []
+
+
 @final
 @dataclass(frozen=True)
 class SolidFile:
@@ -351,8 +366,8 @@ class SolidFile:
         """
         if not self.path.is_file():
             raise GeometryError(self.label, "no file", "is a STEP file")
-        program = program_named("gmsh")
-        if program is None:
+        program = mesher()
+        if not program:
             raise GeometryError(
                 self.label,
                 "no program gmsh",
@@ -375,10 +390,10 @@ class SolidFile:
             (_STEP_UNIT * nodes[:, 1:4])[used], index.reshape(elements.shape).astype(np.int64)
         )
 
-    def _meshed(self, program: str, folder: Path, size: float) -> str:
+    def _meshed(self, program: Sequence[str], folder: Path, size: float) -> str:
         """Mesh file of version 2, as text."""
         target = folder / "body.msh"
-        command = [program, str(self.path.resolve()), "-3", "-order", "2", "-format", "msh22"]
+        command = [*program, str(self.path.resolve()), "-3", "-order", "2", "-format", "msh22"]
         sizes = ["-clmax", f"{size:.9g}", "-clmin", f"{0.2 * size:.9g}"]
         straight = ["-setnumber", "Mesh.SecondOrderLinear", "1", "-setnumber", "Mesh.Binary", "0"]
         try:

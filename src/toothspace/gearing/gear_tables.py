@@ -96,8 +96,7 @@ class MeshingGearParameters(KeyTable):
 
     def __post_init__(self) -> None:
         if self.profile is None:
-            reason = "unless a profile file is given"
-            require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
+            require(self, "unless a profile file is given", *self.generator_keys)
         solid = is_solid(self.profile)
         if not solid:
             require(self, "unless the gear comes from a solid file", "face_width")
@@ -105,6 +104,11 @@ class MeshingGearParameters(KeyTable):
             require(self, "unless normal_backlash is given", "center_distance")
         elif self.normal_backlash is not None:
             forbid(self, "because normal_backlash is given", "center_distance")
+
+    @property
+    def generator_keys(self) -> tuple[str, ...]:
+        """Keys that generated teeth need."""
+        return "tooth_count", "module", "pressure_angle", "tip_diameter"
 
     def involute_gear(self, table: str) -> InvoluteGear:
         """Return the generated gear.

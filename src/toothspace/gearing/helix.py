@@ -17,7 +17,6 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.space_paths import FACES
-from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
@@ -47,15 +46,23 @@ class Helix:
 
     angle: float
     """Helix angle at the reference circle, positive where the drive gear is right-handed. [rad]"""
-    gear: InvoluteGear
-    """Drive gear in the transverse section."""
+    tooth_count: int
+    reference_radius: float
+    pressure_angle: float
+    """Of the drive gear in the transverse section; the angle is 0 where flanks have none. [m],
+    [rad]
+    """
     face_width: float
     """Width of both gears. [m]"""
+    flanks_in_turn: bool = False
+    """Whether the loaded flanks of a section touch for a part of a pitch only, so that slices share
+    the load among those that do.
+    """
 
     @property
     def turn_per_length(self) -> float:
         """Turn of the drive gear's teeth along its axis, positive right-handed. [rad/m]."""
-        return math.tan(self.angle) / self.gear.reference_radius
+        return math.tan(self.angle) / self.reference_radius
 
     @property
     def twist(self) -> float:
@@ -65,12 +72,12 @@ class Helix:
     @property
     def overlap_ratio(self) -> float:
         """Twist over the pitch angle: contact ratio along the face width. [-]."""
-        return self.twist * self.gear.tooth_count / FULL_TURN
+        return self.twist * self.tooth_count / FULL_TURN
 
     @property
     def base_angle(self) -> float:
         """Helix angle at the base circle. [rad]."""
-        return base_helix_angle(abs(self.angle), self.gear.pressure_angle)
+        return base_helix_angle(abs(self.angle), self.pressure_angle)
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""
@@ -87,8 +94,9 @@ class Helix:
         Openings in a face see the section of that face; openings at the tip circle are sums over
         the width. A gap is as high as one that leaks as much.
         """
+        table = path.geometry
         if path.kind == "orifice":
-            table, in_faces = path.geometry, path.multiplicity == FACES
+            in_faces = path.multiplicity == FACES
             found = self._over(table, self._leads(path, FACES if in_faces else _SECTIONS))
             open_area = np.maximum(found[..., 0], 0.0)
             if in_faces:
@@ -104,9 +112,10 @@ class Helix:
                     table.period, np.column_stack([np.maximum(area, 0.0), diameter])
                 ),
             )
-        if path.kind == "parallel_gap" and path.height_by_motion is None:
+        if path.height_by_motion is None and np.all(table.values == table.values[0]):
             return path  # lands that are alike at every place
-        return self._gap(path, 3.0 if path.kind == "parallel_gap" else _CURVED_GAP)
+        sections = FACES if path.multiplicity == FACES else _SECTIONS
+        return self._gap(path, 3.0 if path.kind == "parallel_gap" else _CURVED_GAP, sections)
 
     def contact(self, contact: ContactPair) -> ContactPair:
         r"""Contacts of slices along the width, each at the place of its section.
@@ -123,10 +132,12 @@ class Helix:
         slope = math.cos(self.base_angle)
         scale = np.array([1.0, 1.0 / count, 1.0 / slope, 1.0 / slope, 1.0, 1.0])
         table = contact.geometry
+        own = self._shared(table, leads, contact.phases) if self.flanks_in_turn else ()
         return replace(
             contact,
             phases=(contact.phases[None, :] + leads[:, None]).ravel(),
             geometry=PeriodicTable(table.period, table.values * scale, table.slopes * scale),
+            own=tuple(PeriodicTable(t.period, t.values * scale, t.slopes * scale) for t in own),
             width=contact.width * slope / count,
             part=1.0 / count,
             structure_stiffness=contact.structure_stiffness * slope / count,
@@ -140,7 +151,7 @@ class Helix:
         flow : ndarray
             Ideal flow of spur gears at even angles of one pitch. [m3/rad]
         """
-        pitch = FULL_TURN / self.gear.tooth_count
+        pitch = FULL_TURN / self.tooth_count
         mean = monotone_table(pitch, flow).moving_mean(self.twist).values
         return float((mean.max() - mean.min()) / mean.mean())
 
@@ -149,12 +160,12 @@ class Helix:
         half = 0.5 * self.twist * path.angle_ratio
         return np.linspace(-half, half, sections)
 
-    def _gap(self, path: FlowPath, power: float) -> FlowPath:
-        leads, table = self._leads(path, _SECTIONS), path.geometry
+    def _gap(self, path: FlowPath, power: float, sections: int) -> FlowPath:
+        leads, table = self._leads(path, sections), path.geometry
         found = self._over(table, leads)
         height, wide = np.maximum(found[..., 0], 0.0), np.maximum(found[..., 1], 0.0)
         # trapezoidal rule over the width
-        share = np.full((_SECTIONS, 1), 1.0 / (_SECTIONS - 1))
+        share = np.full((sections, 1), 1.0 / (sections - 1))
         share[[0, -1]] *= 0.5
         width = (share * wide).sum(axis=0)
         safe = np.where(width > 0.0, width, 1.0)
@@ -164,11 +175,11 @@ class Helix:
             extra = (1,) * (value.ndim - 2)
             part = (share * weight).reshape(*weight.shape, *extra) * value
             some = np.where(total > 0.0, total, 1.0).reshape(-1, *extra)
-            middle = value[_SECTIONS // 2]
+            middle = value[sections // 2]
             return np.where(total.reshape(-1, *extra) > 0.0, part.sum(axis=0) / some, middle)
 
         leaking = (share * wide * height**power).sum(axis=0) / safe
-        high = np.where(width > 0.0, leaking ** (1.0 / power), height[_SECTIONS // 2])
+        high = np.where(width > 0.0, leaking ** (1.0 / power), height[sections // 2])
         geometry = np.column_stack([high, width, mean(wide, found[..., 2])])
         drag = path.drag_speed
         if drag is not None:
@@ -186,6 +197,32 @@ class Helix:
             height_by_motion=motion,
             drag_speed=drag,
         )
+
+    @staticmethod
+    def _shared(table: PeriodicTable, leads: Array, phases: Array) -> tuple[PeriodicTable, ...]:
+        """Geometry of every contact, with the load of all slices on those that touch.
+
+        Parameters
+        ----------
+        leads : ndarray
+            Places of the slices relative to the middle. [rad]
+        phases : ndarray
+            Places of the tooth spaces at shaft angle zero. [rad]
+        """
+        nodes = table.period * np.arange(table.values.shape[0]) / table.values.shape[0]
+        places = (leads[:, None] + phases[None, :]).ravel()
+        touching = table(nodes[:, None] + places[None, :])[..., 1].sum(axis=1)
+        total = monotone_table(table.period, touching)
+        found = []
+        for lead in leads:
+            all_slices = total(nodes - lead - phases[0])[:, 0]
+            touch = all_slices > 0.0
+            part = leads.size * table.values[:, 1] / np.where(touch, all_slices, 1.0)
+            shares = monotone_table(table.period, np.where(touch, part, 0.0))
+            values, slopes = table.values.copy(), table.slopes.copy()
+            values[:, 1], slopes[:, 1] = shares.values[:, 0], shares.slopes[:, 0]
+            found += [PeriodicTable(table.period, values, slopes)] * phases.size
+        return tuple(found)
 
     @staticmethod
     def _over(table: PeriodicTable, leads: Array) -> Array:

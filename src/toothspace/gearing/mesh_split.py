@@ -75,7 +75,10 @@ def placed_tangent(flank: Flank, at: Placement, place: float) -> tuple[float, fl
 def nearest_knots(
     first: Flank, at_first: Placement, second: Flank, at_second: Placement
 ) -> tuple[float, float]:
-    """Places of the closest pair of spline knots. [m]."""
+    """Places of the knots where the flanks come closest: a knot to the tangent at another one. [m].
+
+    Between knots alone the distance would prefer where they are dense.
+    """
     n, m = first.knots.size, second.knots.size
     # the second flank is seen from the first flank's tooth frame
     turn = at_second.angle - at_first.angle
@@ -89,10 +92,19 @@ def nearest_knots(
     for j in range(m):
         u, v = flank_point(second, second.knots[j])
         x, y = c * u - s * v + shift_x, s * u + c * v + shift_y
+        least, near = 1e300, 0
         for i in range(n):
             d = (x - xs[i]) ** 2 + (y - ys[i]) ** 2
-            if d < best:
-                best, best_i, best_j = d, i, j
+            if d < least:
+                least, near = d, i
+        dx, dy, _, _ = flank_tangent(first, first.knots[near])
+        ahead = (x - xs[near]) * dx + (y - ys[near]) * dy
+        after = first.knots[min(near + 1, n - 1)] - first.knots[near]
+        before = first.knots[near] - first.knots[max(near - 1, 0)]
+        along = min(max(ahead, -0.5 * before), 0.5 * after)
+        d = (x - xs[near] - along * dx) ** 2 + (y - ys[near] - along * dy) ** 2
+        if d < best:
+            best, best_i, best_j = d, near, j
     return first.knots[best_i], second.knots[best_j]
 
 

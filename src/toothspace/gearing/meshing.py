@@ -6,7 +6,7 @@ in ISO 21771; every formula then holds for external and internal pairs.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,9 @@ _PHASE_SAMPLES = 181
 _LEAST_RATIO = 1.02
 _SAMPLES = 1441
 _FLOW_SAMPLES = 1200
+_ROUND_OFF = 1e-12
+_FADE = 0.25
+"""Part of a path of contact on which the load of flanks that touch in turn builds up. [-]"""
 _NO_THROAT = 1.0
 _RADIUS_RANGE = 2.9e-3, 1.46
 """Relative radii of curvature that count, over the pitch radius of the drive gear. [-]"""
@@ -77,8 +80,13 @@ class MeshedGears:
         return drive, driven
 
     @property
-    def involute_path(self) -> tuple[float, float] | None:
-        """Throat angles between which involutes touch, None to find them from gaps. [rad]."""
+    def flanks_in_turn(self) -> bool:
+        """Whether the other flanks touch where the loaded ones do not, with play."""
+        return False
+
+    @property
+    def exact_path(self) -> tuple[float, float] | None:
+        """Throat angles between which flanks touch, None to find them from gaps. [rad]."""
         return None
 
     def table_places(self, gear: int, nodes: int) -> Array:
@@ -208,7 +216,7 @@ def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     Begin and end: in closed form for involutes; other flanks touch where their gap is no larger
     than that of the neighbouring pairs, but for ``CONTACT_TOLERANCE``. [rad]
     """
-    exact = gears.involute_path
+    exact = gears.exact_path
     if exact is not None:
         return exact
     mesh = gears.mesh
@@ -230,15 +238,20 @@ def load_share(gears: MeshedGears, angles: Array) -> Array:
     """Share of the contact force that a flank pair carries.
 
     Share, 0 out of contact and smooth in between; the shares of pairs one pitch apart sum to 1 at
-    every angle. [-]
+    every angle. Where flanks touch in turn a pair carries its load alone, while it touches. [-]
 
     Parameters
     ----------
     angles : ndarray
         Throat angles. [rad]
     """
-    start, end = contact_range(gears)
     pitch = 2.0 * gears.mesh.half_pitch
+    if gears.flanks_in_turn:
+        start, end = path_of_contact(gears)
+        turns = np.mod(angles - 0.5 * (start + end) + np.pi, FULL_TURN) - np.pi
+        inside = smooth_step((0.5 * (end - start) - np.abs(turns)) / (_FADE * (end - start)))
+        return np.asarray(inside, dtype=float)
+    start, end = contact_range(gears)
     ramp = min(end - start - pitch, 0.5 * (end - start))
     places = [angles + shift * pitch for shift in range(-3, 4)]
     pairs = [smooth_step(np.minimum(place - start, end - place) / ramp) for place in places]
@@ -286,11 +299,18 @@ def flow_over_pitch(gears: MeshedGears) -> Array:
     """Ideal flow over one pitch, sealed by the contact nearest to the pitch point. [m3/rad]."""
     pitch = 2.0 * gears.mesh.half_pitch
     steps = pitch * np.arange(_FLOW_SAMPLES) / _FLOW_SAMPLES
-    start, end = contact_range(gears)
-    angles = 0.5 * (start + end) + steps[:, None] + pitch * np.arange(-2, 2)[None, :]
-    flow = ideal_flow(gears, angles.ravel()).reshape(angles.shape)
-    inside = (angles >= start) & (angles <= end)
-    return np.asarray(np.max(np.where(inside, flow, 0.0), axis=1), dtype=float)
+    if gears.flanks_in_turn:
+        sides = [replace(gears, loaded_is_left=is_left) for is_left in (True, False)]
+        paths = [path_of_contact(side) for side in sides]
+    else:
+        sides, paths = [gears], [contact_range(gears)]
+    angles = 0.5 * sum(paths[0]) + steps[:, None] + pitch * np.arange(-2, 2)[None, :]
+    found = []
+    for side, (start, end) in zip(sides, paths, strict=True):
+        flow = ideal_flow(side, angles.ravel()).reshape(angles.shape)
+        within = (angles >= start - _ROUND_OFF) & (angles <= end + _ROUND_OFF)
+        found.append(np.where(within, flow, 0.0))
+    return np.asarray(np.max(found, axis=(0, 2)), dtype=float)
 
 
 def displacement(gears: MeshedGears) -> float:

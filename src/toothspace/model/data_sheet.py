@@ -111,6 +111,7 @@ class DataSheet(KeyTable):
         ends = self.lowest_temperature, self.highest_temperature
         return {
             "title": self.title,
+            "source": self.source,
             "temperature_range_degC": [end - ZERO_CELSIUS for end in ends],
             "pressure_range_Pa": [0.0, 1e8],
             "density": {"intercept": cold, "slope": -family.expansion},

@@ -279,6 +279,7 @@ __all__ = [
     "fit_table",
     "fluid_law",
     "highest_pressure",
+    "known_range",
     "library_liquid",
     "liquid_at",
     "mixed_law",
@@ -358,9 +359,12 @@ def library_liquid(source: str | Path, temperature: float) -> LiquidState:
     curve = table["viscosity"]
     shift = curve["walther_shift_cSt"]
     if "points_cSt" in curve:
-        kelvin = tuple(t + ZERO_CELSIUS for t in curve["points_degC"])
-        viscosities = tuple(1e-6 * nu for nu in curve["points_cSt"])
-        constants = walther_constants(kelvin, viscosities, shift)
+        # through the two points next to the temperature
+        points = np.asarray(curve["points_degC"]) + ZERO_CELSIUS
+        upper = int(np.clip(np.searchsorted(points, temperature), 1, points.size - 1))
+        kelvin = float(points[upper - 1]), float(points[upper])
+        thick, thin = (1e-6 * nu for nu in curve["points_cSt"][upper - 1 : upper + 1])
+        constants = walther_constants(kelvin, (thick, thin), shift)
     else:
         constants = (curve["walther_intercept"], curve["walther_slope"])
     kinematic = float(walther_viscosity(temperature, *constants, shift))
@@ -415,6 +419,39 @@ def temperature_range(source: str | Path | Columns) -> tuple[float, float]:
         return float(temperatures.min()), float(temperatures.max())
     low, high = _constants(source)["temperature_range_degC"]
     return low + ZERO_CELSIUS, high + ZERO_CELSIUS
+
+
+def known_range(source: str | Path) -> dict[str, str]:
+    """Say what a fluid is known from, between which limits, and what is extrapolated.
+
+    Raises CaseError if the fluid is unknown, or its file refused.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a library fluid, a data sheet (TOML) or a table (CSV). [-]
+    """
+    table = _table(source)
+    low, high = temperature_range(source)
+    bar = f"{1e-5 * highest_pressure(source, 0.5 * (low + high)):g} bar"
+    told = {
+        "pressure": f"to {bar}; extrapolated beyond, as in contacts at 4 kbar: density by its law, "
+        "viscosity held from 1000 bar"
+    }
+    if table is not None:
+        return {"viscosity": "of the table, logarithm linear between its temperatures", **told}
+    entry = _constants(source)
+    points = entry["viscosity"].get("points_degC")
+    law = "by constants of ASTM D341"
+    if points is not None:
+        law = f"known from {points[0]:g} to {points[-1]:g} degC, extrapolated by ASTM D341 outside"
+    sources = {
+        f"source_{key}": value["source"]
+        for key, value in entry.items()
+        if isinstance(value, dict) and "source" in value
+    }
+    whole = {"source": entry["source"]} if entry.get("source") else {}
+    return {"viscosity": law, **told, **whole, **sources}
 
 
 _STEP = 20.0

@@ -111,6 +111,14 @@ FIGURES: tuple[FigureEntry, ...] = (
         sampled="transient",
     ),
     FigureEntry(
+        "electric_drive",
+        "Speed, torque of motor and machine, and electric power with what becomes of it.",
+        "time",
+        waveforms.electric_drive,
+        ("electric_power", "drive_torque", "shaft_torque", "pressure_difference"),
+        sampled="transient",
+    ),
+    FigureEntry(
         "breakaway_zoom",
         "The shaft stands still until the pressure overcomes the breakaway torque.",
         "time",

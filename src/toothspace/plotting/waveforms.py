@@ -408,6 +408,33 @@ def breakaway_zoom(solution: Solution, description: MachineDescription | None = 
 
 
 @styled
+def electric_drive(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Speed, torques and powers of an electric drive and the machine that it turns."""
+    data = solution.data
+    time = np.asarray(data["time"])
+    figure = new_figure(7.2, 6.0)
+    speed, torque, power = figure.subplots(3, 1, sharex=True)
+    speed.plot(time, np.asarray(data["shaft_speed"]) * _PER_MINUTE, color=GREEN)
+    speed.set(ylabel="Speed (rpm)", title="Electric drive over time")
+    torque.plot(time, np.asarray(data["shaft_torque"]), color=GREY, label="Machine")
+    torque.plot(time, np.asarray(data["drive_torque"]), color=ORANGE, label="Motor")
+    torque.set_ylabel("Torque (N m)")
+    mechanical = np.asarray(data["drive_torque"] * data["shaft_speed"])
+    side = "inlet" if data.attrs.get("mode") == "motor" else "outlet"
+    hydraulic = np.asarray(data["pressure_difference"] * data[f"{side}_flow_rate"])
+    for values, label, color in (
+        (np.asarray(data["electric_power"]), "Electric", BLUE),
+        (mechanical, "At the shaft", ORANGE),
+        (hydraulic, "Hydraulic", GREEN),
+    ):
+        power.plot(time, 1e-3 * values, color=color, label=label)
+    power.set(xlabel="Time (s)", ylabel="Power (kW)")
+    for axes in (torque, power):
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
+    return figure
+
+
+@styled
 def torque_shares(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """Torque of the load and of every friction mechanism over time, on top of each other."""
     data = solution.data

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 
 _LITRE_PER_MINUTE = 6e4
+_LEAST_ROWS = 2
 _BAR = 1e5
 _TURN = 2.0 * np.pi
 _VAPOUR = 1e-4
@@ -249,7 +250,29 @@ def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "supply_energy_J": ledger.energy.get("supply", 0.0),
         "shaft_energy_J": -ledger.shaft_energy,
         "loss_energy_J": ledger.loss_energy,
+        **_electric(data),
     }
+
+
+def _electric(data: xr.Dataset) -> dict[str, float]:
+    """Energy that an electric drive draws from its supply, and what it loses of it."""
+    if "electric_power" not in data or data.sizes["time"] < _LEAST_ROWS:
+        return {}
+    lost = data["drive_motor_loss"] + data["drive_inverter_loss"]
+    return {
+        "electric_energy_J": _integral(data, np.asarray(data["electric_power"])),
+        "drive_loss_energy_J": _integral(data, np.asarray(lost)),
+    }
+
+
+def _integral(data: xr.Dataset, rows: Array) -> float:
+    """Integral over the time of a run of rows that are means of samples at ends of steps."""
+    time = np.asarray(data["time"])
+    width = float(time[1] - time[0])
+    # sums over ends of steps less half of what the ends of the run differ by: trapezia
+    step = 2.0 * float(time[0]) - width
+    first, last = 1.5 * rows[0] - 0.5 * rows[1], 1.5 * rows[-1] - 0.5 * rows[-2]
+    return float(width * rows.sum() - 0.5 * step * (last - first))
 
 
 def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:

@@ -44,6 +44,10 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("load_torque", "sample", "N m", "Torque that the load takes from the shaft"),
     ("load_speed", "sample", "rad/s", "Speed of the load beyond an elastic coupling"),
     ("coupling_torque", "sample", "N m", "Torque that an elastic coupling takes from the shaft"),
+    ("drive_torque", "sample", "N m", "Torque of an electric drive on the shaft"),
+    ("electric_power", "sample", "W", "Power that an electric drive draws from its supply"),
+    ("drive_motor_loss", "sample", "W", "Losses in copper and iron of an electric drive"),
+    ("drive_inverter_loss", "sample", "W", "Losses in the inverter of an electric drive"),
     ("chamber_pressure", "sample chamber", "Pa", "Absolute pressure in a chamber"),
     ("chamber_volume", "sample chamber", "m3", "Volume of a chamber"),
     ("chamber_gas_fraction", "sample chamber", "1", "Volume fraction of free gas in a chamber"),
@@ -198,7 +202,7 @@ OVER_TIME = (
     "max_shaft_speed_rpm", "mean_flow_L_per_min", "mean_torque_N_m",
     "max_pressure_difference_bar", "max_chamber_pressure_bar", "min_chamber_pressure_bar",
     "mass_balance_error", "energy_balance_error", "supply_energy_J", "shaft_energy_J",
-    "loss_energy_J", "real_time_factor",
+    "loss_energy_J", "electric_energy_J", "drive_loss_energy_J", "real_time_factor",
 )  # fmt: skip
 """Of a run with a circuit."""
 BY_LABEL = ("leakage_", "pressure_leakage_", "drag_leakage_", "torque_loss_", "power_loss_")

@@ -17,6 +17,7 @@ import toothspace
 from toothspace.case import Case
 from toothspace.case.conditions import RunSettings
 from toothspace.case.presets import ELASTIC, PRESETS
+from toothspace.circuit.fmu import LinkedUnit
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compilation.library import compiler_version
 from toothspace.core.errors import CaseError
@@ -121,9 +122,9 @@ class Run:
 
             system = assemble(self.machine, self.fluid, self.condition)
             found = solve_to_balance(system, solve)
-            units = self.condition.circuit.units if self.condition.circuit else ()
-            for unit in units:
-                found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
+            for unit in self.condition.circuit.units if self.condition.circuit else ():
+                if isinstance(unit, LinkedUnit):
+                    found = found.with_note(_NATIVE.format(unit.name, unit.keys.file.name))
             if self.condition.free_shaft is not None and found.status is Status.DONE:
                 found = found.with_note(*standing(found.data))
             return self.marked(SeatSearch(self.machine).noted(found))

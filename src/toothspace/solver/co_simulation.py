@@ -1,4 +1,4 @@
-"""Units of other programs beside a march: when they step, what they are told and what they set.
+"""Units beside a march, of other programs or a drive: when they step, what they are told and set.
 
 At a communication point a unit steps ahead with the values of the run at that point; the run then
 follows what the unit gives along a straight line to the next point. So nothing is solved for both
@@ -11,6 +11,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.circuit.electric_drive import LinkedDrive, SpeedController
 from toothspace.circuit.fmu import Instance, LinkedUnit
 from toothspace.circuit.network import FIRST_KNOT
 from toothspace.core.types import Array
@@ -35,10 +36,10 @@ class CoSimulation:
     def __init__(self, system: System) -> None:
         circuit = system.condition.circuit
         self._system = system
-        self._units: tuple[LinkedUnit, ...] = circuit.units if circuit else ()
+        self._units: tuple[LinkedUnit | LinkedDrive, ...] = circuit.units if circuit else ()
         self._places = node_places(system.description, system.condition)
         self._steps = [0] * len(self._units)
-        self._running: list[Instance] = []
+        self._running: list[Instance | SpeedController] = []
         self._knots: dict[Place, list[tuple[float, float]]] = {}
 
     def until(self, end: float) -> list[float]:
@@ -55,7 +56,9 @@ class CoSimulation:
             return
         if not self._running:
             for unit in self._units:
-                self._running.append(Instance(unit))
+                self._running.append(
+                    SpeedController(unit.keys) if isinstance(unit, LinkedDrive) else Instance(unit)
+                )
         evaluate_state(self._system.arrays, state)
         for k, (unit, instance) in enumerate(zip(self._units, self._running, strict=True)):
             if unit.keys.step * self._steps[k] > time * (1.0 + 1e-12):

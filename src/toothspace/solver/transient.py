@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
+from toothspace.circuit.electric_drive import LinkedDrive
 from toothspace.circuit.history import NO_HISTORY
 from toothspace.closures.friction import STUCK, next_direction
 from toothspace.core.interrupts import interrupts_held
@@ -298,6 +299,7 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     return {
         **ports,
         **_load_values(system, times, states, _load_history(march)),
+        **_drive_values(march, times, states[:, 1]),
         "supply_speed": np.interp(times, *pumps[0].T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
         "node_pressure": seen.pressure[:, list(_nodes(system).values())],
@@ -312,6 +314,23 @@ def _load_history(march: TransientMarch) -> Array:
     shaft = march.system.condition.free_shaft
     given = NO_HISTORY if shaft is None else shaft.load_history
     return march.exchange.history(("torque", -1), given)
+
+
+def _drive_values(march: TransientMarch, times: Array, speed: Array) -> dict[str, Array]:
+    """Torque, power and losses of an electric drive, where there is one."""
+    circuit = march.system.condition.circuit
+    units = circuit.units if circuit else ()
+    drives = [unit.keys for unit in units if isinstance(unit, LinkedDrive)]
+    if not drives:
+        return {}
+    torque = -np.interp(times, *_load_history(march).T)
+    powers = drives[0].powers(torque, speed)
+    return {
+        "drive_torque": torque,
+        "electric_power": powers.electric,
+        "drive_motor_loss": powers.motor_loss,
+        "drive_inverter_loss": powers.inverter_loss,
+    }
 
 
 def _load_values(system: System, times: Array, states: Array, history: Array) -> dict[str, Array]:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.case import Case
+from toothspace.circuit.electric_drive import ElectricMotor
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import KeyTable, file_path, grid
+from toothspace.core.keys import KeyTable, file_path, grid, table
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.plotting.style import (
     GREY,
@@ -66,6 +67,12 @@ class EfficiencyMapStudy(KeyTable):
 
     shaft_speed: tuple[float, ...] = grid(SPEED, "Shaft speeds.")
     pressure_difference: tuple[float, ...] = grid(PRESSURE, "High minus low pressure.")
+    drive: ElectricMotor | None = table(
+        ElectricMotor,
+        "Electric motor with inverter on the shaft of a pump: power that it draws, and efficiency "
+        "with it.",
+        default=None,
+    )
     measured: Path | None = file_path(
         "Rows of operating_point.shaft_speed, one port pressure of operating_point and "
         "mean_torque_N_m or mean_flow_L_per_min, to lay over the results.",
@@ -98,6 +105,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, EfficiencyMapStudy)
+    if study.drive is not None and getattr(case.machine, "mode", "pump") == "motor":
+        raise CaseError("study.drive", "an electric motor on a hydraulic motor", "a pump")
     pairs = list(product(study.shaft_speed, study.pressure_difference))
     records = map_records(case, pairs, context)
     speeds = [from_si(speed, "rpm") for speed, _ in pairs]
@@ -109,11 +118,26 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     }
     return StudyResult(
         status=status_of(records),
-        data=map_dataset(axes, records).merge(_measured(case, study)),
+        data=_driven(map_dataset(axes, records), study.drive).merge(_measured(case, study)),
         numbers=point_lists(
             {"shaft_speed_rpm": speeds, "pressure_difference_bar": differences}, records
         ),
         tables=(numbers_table("iso_4409", heads, TABLE_COLUMNS, records),),
+    )
+
+
+def _driven(data: xr.Dataset, motor: ElectricMotor | None) -> xr.Dataset:
+    """Map with the power that an electric motor draws, where it can give the torque."""
+    if motor is None or "mean_torque_N_m" not in data:
+        return data
+    torque, speed = data["mean_torque_N_m"], data["shaft_speed"]
+    given = torque <= motor.torque_limit(speed)
+    electric = motor.powers(*np.broadcast_arrays(torque, speed.values[:, None])).electric
+    drawn = torque.copy(data=electric).where(given)
+    return data.assign(
+        electric_power_W=drawn.assign_attrs(units="W"),
+        drive_efficiency=(torque * speed / drawn).assign_attrs(units="1"),
+        efficiency_with_drive=(data["hydraulic_power_W"] / drawn).assign_attrs(units="1"),
     )
 
 
@@ -188,6 +212,12 @@ _EFFICIENCIES = (
 )
 
 
+_WITH_DRIVE = (
+    ("efficiency_with_drive", "Hydraulic over electric power (%)"),
+    ("drive_efficiency", "Motor and inverter (%)"),
+)
+
+
 _CHARACTERISTICS = ("mean_flow_L_per_min", "mean_torque_N_m")
 
 
@@ -206,6 +236,13 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
             "dots are the computed points. White: a motor that must be driven, or no result."
         )
         found.append(StudyFigure("efficiency_map", caption, efficiency_contours(data)))
+    if "efficiency_with_drive" in data and has_numbers(data, "efficiency_with_drive"):
+        caption = (
+            "Electric motor with inverter, and pump with both. White: beyond the torque that the "
+            "voltage leaves, or no result."
+        )
+        drawn = efficiency_contours(data, _WITH_DRIVE)
+        found.append(StudyFigure("efficiency_with_drive", caption, drawn))
     caption = "Flow and torque over the pressure difference, one line per shaft speed."
     if "measured_shaft_speed" in data:
         caption += " Crosses: measured."
@@ -214,15 +251,17 @@ def figures(data: xr.Dataset) -> list[StudyFigure]:
 
 
 @styled
-def efficiency_contours(data: xr.Dataset) -> Figure:
-    """Contours of the three efficiencies over shaft speed and pressure difference."""
+def efficiency_contours(
+    data: xr.Dataset, shown: Sequence[tuple[str, str]] = _EFFICIENCIES
+) -> Figure:
+    """Contours of efficiencies over shaft speed and pressure difference."""
     from matplotlib.ticker import MaxNLocator
 
-    figure = new_figure(7.2, 8.6)
+    figure = new_figure(7.2, 0.5 + 2.7 * len(shown))
     speed = data["shaft_speed"].values * _RPM
     pressure = data["pressure_difference"].values * 1e-5
-    panels = figure.subplots(3, 1, sharex=True)
-    for axes, (name, title) in zip(panels, _EFFICIENCIES, strict=True):
+    panels = figure.subplots(len(shown), 1, sharex=True)
+    for axes, (name, title) in zip(panels, shown, strict=True):
         # below zero a motor is driven: it has no efficiency there
         values = np.ma.masked_invalid(np.where(data[name] > 0.0, 100.0 * data[name], np.nan).T)
         if values.count() > 3:

@@ -64,6 +64,8 @@ def transient_solution() -> Solution:
     data = data.assign(
         supply_speed=data["shaft_speed"],
         load_torque=0.5 * data["shaft_torque"],
+        drive_torque=data["shaft_torque"],
+        electric_power=1.2 * data["shaft_torque"] * data["shaft_speed"],
         pressure_difference=drop,
         pressure_difference_lowest=0.9 * drop,
         pressure_difference_highest=1.1 * drop,

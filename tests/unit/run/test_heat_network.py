@@ -131,3 +131,7 @@ def test_heat_transfer_closed_forms() -> None:
     faster = turning_body_coefficient(0.13, 0.04, 300.0, 3e-5, 400.0)
     slower = turning_body_coefficient(0.13, 0.04, -150.0, 3e-5, 400.0)
     assert faster / slower == pytest.approx(2.0 ** (2.0 / 3.0))
+    # Reynolds number of 300 rad/s, 40 mm and 30 cSt: 8000, of which the 2/3 power is 400
+    assert faster == pytest.approx(0.133 * 400.0 * 400.0 ** (1.0 / 3.0) * 0.13 / 0.04)
+    wider = turning_body_coefficient(0.26, 0.08, 300.0, 3e-5, 400.0)
+    assert wider / faster == pytest.approx(2.0 * 2.0 ** (1.0 / 3.0))

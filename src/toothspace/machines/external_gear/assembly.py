@@ -40,15 +40,24 @@ class Assembly(meshing.MeshedGears):
     """Involute pair where both gears are given by parameters."""
 
     @property
-    def involute_path(self) -> tuple[float, float] | None:
-        r"""Throat angles between which involutes touch; None for other flanks. [rad].
+    def flanks_in_turn(self) -> bool:
+        """Whether both flanks of a tooth touch in turn, as in gears of continuous contact."""
+        return self.spec.keys.gears.is_continuous
+
+    @property
+    def exact_path(self) -> tuple[float, float] | None:
+        r"""Throat angles between which flanks touch; None for those from a file. [rad].
 
         Notes
         -----
-        The roll lengths :math:`\rho_1 + \rho_2 = a \sin\alpha_w` both end at the tip form radius,
-        and at the form radius of an undercut gear; the throat turns by
+        Of involutes, the roll lengths :math:`\rho_1 + \rho_2 = a \sin\alpha_w` both end at the
+        tip form radius, and at the form radius of an undercut gear; the throat turns by
         :math:`\Delta\rho_1 / r_{b1}`.
         """
+        if self.flanks_in_turn:
+            # each side of a tooth for half a pitch, from the middle of its root to its tip
+            ends = 0.0, self.mesh.half_pitch
+            return ends if self.loaded_is_left else (-ends[1], -ends[0])
         drive, driven = (profile.involute for profile in self.profiles)
         if drive is None or driven is None:
             return None

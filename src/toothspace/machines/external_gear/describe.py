@@ -7,6 +7,7 @@ from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.mesh_cut import CutSpaces
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import SpaceOutlines
@@ -16,9 +17,15 @@ from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_space
 from toothspace.machines.external_gear.gear_bodies import lateral_films
 from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.spec import ExternalGearSpec
-from toothspace.machines.external_gear.summary import as_drawn, design_checks, geometry_summary
+from toothspace.machines.external_gear.summary import (
+    as_drawn,
+    design_checks,
+    enclosed_area,
+    geometry_summary,
+)
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription, Winding
+from toothspace.model.path_category import INLET_PORT
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -42,11 +49,26 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     families = drive.chambers(gear_bodies.BODIES[0]), driven.chambers(gear_bodies.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
-    helix, section = spec.helix, (families, paths, contacts)
+    helix, section, cut = spec.helix, (families, paths, contacts), None
     if helix is not None:
+        if assembly.flanks_in_turn:
+            # the mating tooth fills a space: what lies ahead of it and behind are two chambers
+            cut = CutSpaces(numbering.nodes[0].size, helix.twist)
+            families = cut.family(families[0]), cut.family(families[1])
+            paths = tuple(part for path in paths for part in cut.paths(path))
         families = helix.family(families[0]), helix.family(families[1])
         paths = tuple(helix.path(path) for path in paths)
         contacts = helix.contact(contacts[0]), helix.contact(contacts[1])
+    if cut is not None:
+        paths = tuple(
+            cut.breather(path, assembly.face_width) if path.category is INLET_PORT else path
+            for path in paths
+        )
+        left_open = enclosed_area(assembly)
+        for gear in (0, 1):
+            room = max(assembly.root_clearances[gear], spec.drive.roughness)
+            paths += (cut.roots(families[gear], gear, left_open, room),)
+        families = cut.rest(families[0]), cut.rest(families[1])
     checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
     own = own_teeth(assembly, numbering, spaces)
     if own is not None:
@@ -87,7 +109,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         running_in=keys.casing.wear_in,
         lateral_balance=balance,
         outlines=gear_bodies.outlines(assembly),
-        chamber_outlines=SpaceOutlines(assembly, numbering),
+        chamber_outlines=None if cut is not None else SpaceOutlines(assembly, numbering),
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
         as_drawn=as_drawn(assembly),
@@ -95,7 +117,13 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     if helix is None:
         return machine
     families, paths, contacts = section
-    spur = replace(machine, families=families, paths=paths, contacts=contacts)
+    spur = replace(
+        machine,
+        families=families,
+        paths=paths,
+        contacts=contacts,
+        chamber_outlines=SpaceOutlines(assembly, numbering),
+    )
     return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur))
 
 

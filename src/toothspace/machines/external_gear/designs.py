@@ -16,7 +16,12 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import TOOTH_KEYS
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
-from toothspace.geometry.gear_pair import LARGEST_OVERLAP, ExternalPair, tight_involute
+from toothspace.geometry.gear_pair import (
+    LARGEST_OVERLAP,
+    ExternalPair,
+    Sealing,
+    tight_involute,
+)
 from toothspace.geometry.involute_gear import InvoluteGears
 from toothspace.machines.external_gear.spec import ExternalGearTables
 
@@ -61,11 +66,24 @@ class DesignValues:
         if other is not None and not names:
             return other
         found = {name: self[f"{table}.{name}"] for name in names}
+        # given in the normal section, as on a drawing
+        slope = np.cos(self.helix_angle)
+        if "pressure_angle" in found:
+            found["pressure_angle"] = np.arctan(np.tan(found["pressure_angle"]) / slope)
+        if "module" in found:
+            found["module"] = found["module"] / slope
+        for name in {"profile_shift", "dedendum", "tool_tip_radius"} & found.keys():
+            found[name] = found[name] * slope
         rest = [name for name in TOOTH_KEYS if name not in found]
         missing = {
             n: np.full(self.size, np.nan) if other is None else getattr(other, n) for n in rest
         }
         return InvoluteGears(**found, **missing)
+
+    @property
+    def helix_angle(self) -> Array:
+        """Helix angles at the reference circle, 0 of spur gears. [rad]."""
+        return np.nan_to_num(self["gears.helix_angle"])
 
     def parts(self) -> Iterator[DesignValues]:
         """Parts small enough for the cache of a processor."""
@@ -78,7 +96,7 @@ class DesignValues:
 
         Raises CaseError if a key does not act on the kinematics.
         """
-        names = (*TOOTH_KEYS, "face_width", "normal_backlash", "center_distance")
+        names = (*TOOTH_KEYS, "helix_angle", "face_width", "normal_backlash", "center_distance")
         found = np.ones(self.size, dtype=bool)
         for path, values in self.varied.items():
             table, _, name = path.partition(".")
@@ -112,6 +130,8 @@ _LARGEST_ANGLE = 1.4
 _NEWTON_STEPS = 60
 _LARGEST_BACKLASH = 0.5
 _LARGEST_DIFFERENCE = 1e-9
+_PLACES = np.arange(240) / 240.0
+"""Places over a period at which the flow along a helix is looked at."""
 
 
 @final
@@ -128,6 +148,47 @@ class GearDesigns(ExternalPair[Array]):
     """Widths over which the gears mesh. [m]"""
     drives: bool = True
     """Whether the drive gear's flanks push the driven gear (pump) or are pushed (motor)."""
+    helix_angle: Array | float = 0.0
+    """Helix angles at the reference circle. [rad]"""
+
+    @property
+    def overlap_ratio(self) -> Array:
+        """Twist of the face width over the pitch angle. [-]."""
+        pitch = np.pi * self.drive.module
+        return np.asarray(self.face_width * np.tan(self.helix_angle) / pitch)
+
+    @property
+    def _base_slope(self) -> Array:
+        # cosine of the helix angle at the base circle
+        return 1.0 / np.hypot(1.0, np.tan(self.helix_angle) * np.cos(self.drive.pressure_angle))
+
+    def ripple_along_helix(self, flank_sealing: Sealing = "single") -> Array:
+        r"""Largest less smallest ideal flow over its mean, over all sections of the width. [-].
+
+        Notes
+        -----
+        The flow of a section falls with the square of the distance u of its contact from the pitch
+        point. Over the part f of the period that the overlap has beyond whole ones, the mean of
+
+        .. math:: \frac{1}{\varepsilon} \int_{f} u^2
+
+        moves; the rest is the same at every angle.
+        """
+        first, last = self.sealing_window(flank_sealing)
+        span, period = last - first, 1.0 if flank_sealing == "single" else 0.5
+        overlap = self.overlap_ratio / period
+        part = np.mod(overlap, 1.0)
+
+        def total(place: Array) -> Array:
+            turns = np.floor(place)
+            u = first + (place - turns) * span
+            return turns * (last**3 - first**3) / 3.0 + (u**3 - first**3) / 3.0
+
+        swept = np.array([total(x + part) - total(np.full_like(part, x)) for x in _PLACES])
+        swing = (swept.max(axis=0) - swept.min(axis=0)) / (span * np.maximum(overlap, 1e-12))
+        mean = self.displacement_per_radian(1.0, flank_sealing)
+        found = 0.5 * (1.0 - self.speed_ratio) * swing / mean
+        return np.where(overlap > 1e-6, found, self.flow_ripple(flank_sealing))
 
     @property
     def forms(self) -> tuple[InvoluteGears, InvoluteGears]:
@@ -187,16 +248,17 @@ class GearDesigns(ExternalPair[Array]):
         height = 2.0 * np.maximum(*self.tip_radii)
         return {
             "displacement_cm3_per_rev": 2e6 * np.pi * self.displacement_per_radian(self.face_width),
-            "flow_ripple_percent": 100.0 * self.flow_ripple(),
-            "flow_ripple_dual_percent": 100.0 * self.flow_ripple("dual"),
+            "flow_ripple_percent": 100.0 * self.ripple_along_helix(),
+            "flow_ripple_dual_percent": 100.0 * self.ripple_along_helix("dual"),
             "contact_ratio": self.contact_ratio,
+            "overlap_ratio": self.overlap_ratio,
             "trapped_volume_mm3": 1e9 * trapped,
             "dead_volume_mm3": 1e9 * dead,
             "trapped_volume_change_mm3": 1e9 * change,
             "tip_land_mm": 1e3 * np.minimum(*lands),
             "root_clearance_mm": 1e3 * np.minimum(*self.root_clearances),
             "center_distance_mm": 1e3 * self.center_distance,
-            "normal_backlash_mm": 1e3 * self.normal_backlash,
+            "normal_backlash_mm": 1e3 * self.normal_backlash * self._base_slope,
             "operating_pressure_angle_deg": np.rad2deg(self.operating_pressure_angle),
             "base_diameter_mm": 2e3 * self.drive.base_radius,
             "tip_diameter_mm": 2e3 * self.drive.tip_radius,
@@ -242,7 +304,7 @@ class GearDesigns(ExternalPair[Array]):
 
     def _broken_rules(self) -> IntArray:
         drive, driven, module = self.drive, self.driven, self.drive.module
-        ratio, backlash = self.contact_ratio, self.normal_backlash
+        ratio, backlash = self.contact_ratio, self.normal_backlash * self._base_slope
         margins = self.involute_margins
         deep = (margins[0] < 0.0) & ~drive.undercut | (margins[1] < 0.0) & ~driven.undercut
         lands = np.minimum(drive.tip_land / module, driven.tip_land / driven.module)
@@ -303,6 +365,8 @@ def evaluate_designs(
     own = machine.driven_gear
     if machine.gears.profile is not None or (own is not None and own.profile is not None):
         raise CaseError("gears.profile", "a file", "gears given by parameters")
+    if machine.gears.is_continuous:
+        raise CaseError("gears.family", repr(machine.gears.family), "'involute'")
     values = DesignValues(machine, varied)
     in_range = values.in_range("gears", "driven_gear")
     with np.errstate(all="ignore"):
@@ -323,9 +387,11 @@ def _evaluated(
     if values.given("gears.center_distance") and "gears.normal_backlash" not in values.varied:
         distance = values["gears.center_distance"]
     else:
-        distance = distance_of_backlash(drive, driven, values["gears.normal_backlash"])
+        tangent = np.tan(values.helix_angle) * np.cos(drive.pressure_angle)
+        play = values["gears.normal_backlash"] * np.hypot(1.0, tangent)
+        distance = distance_of_backlash(drive, driven, play)
     width = values["gears.face_width"]
-    designs = GearDesigns(drive, driven, distance, width, mode == "pump")
+    designs = GearDesigns(drive, driven, distance, width, mode == "pump", values.helix_angle)
     if displacement is not None:
         width = displacement / designs.displacement_per_radian(1.0)
         designs = replace(designs, face_width=width)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, final
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.signals import read_grid
 from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import read_contours
+from toothspace.gearing.gear_tables import TOOTH_KEYS, read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.cad_import import is_solid
+from toothspace.geometry.continuous_contact import generate_continuous
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
@@ -60,6 +61,13 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         With the key relative to ``[machine]``.
     """
     driven_keys = _driven_keys(machine)
+    shapes = [[getattr(k, name) for name in TOOTH_KEYS] for k in (machine.gears, driven_keys)]
+    if machine.gears.is_continuous and (shapes[0] != shapes[1] or driven_keys.profile is not None):
+        allowed = "no keys of teeth: a gear of continuous contact meshes with an equal one"
+        raise CaseError("driven_gear", "another tooth", allowed)
+    if machine.gears.is_continuous and machine.casing.wear_in is not None:
+        allowed = "no running-in with gears of continuous contact"
+        raise CaseError("casing.wear_in", "a condition", allowed)
     drive = _gear(machine.gears, "gears")
     driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
     for name, given, built in (
@@ -115,7 +123,7 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         keys=machine,
         drive=drive,
         driven=driven,
-        center_distance=in_file or machine.gears.center_distance,
+        center_distance=in_file or machine.gears.center_distance or _pitch_diameter(machine.gears),
         bush=library_material(bearing.material, "journal_bearings.material"),
         seal_torque=seal_torque(machine.seals, bearing.diameter),
         casing_contour=contour,
@@ -134,7 +142,7 @@ def _check_pair(
         found = f"{machine.journal_bearings.diameter * 1e3:.5g} mm"
         allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
         raise CaseError("journal_bearings.diameter", found, allowed)
-    distance = in_file or machine.gears.center_distance
+    distance = in_file or machine.gears.center_distance or _pitch_diameter(machine.gears)
     if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
         return distance or first.tip_radius + second.root_radius
     try:
@@ -145,6 +153,11 @@ def _check_pair(
     except GeometryError as error:
         own = error.problems[0].key.startswith("driven_gear")
         raise error.under("" if own else "gears") from error
+
+
+def _pitch_diameter(gears: GearParameters) -> float | None:
+    # centre distance of gears of continuous contact
+    return 2.0 * gears.continuous_gear().reference_radius if gears.is_continuous else None
 
 
 def _driven_keys(machine: ExternalGearTables) -> GearParameters:
@@ -176,7 +189,12 @@ def _gear(gear: GearParameters, table: str) -> Gear:
 
         found = detected_gear(gear, gear.profile, table)
     tooth: InvoluteGear | GearProfile
-    if found is None:
+    if gear.is_continuous:
+        try:
+            tooth = generate_continuous(gear.continuous_gear())
+        except GeometryError as error:
+            raise error.under(table) from error
+    elif found is None:
         tooth = gear.involute_gear(table)
     else:
         drawn = gear.profile_flank == "drawn"

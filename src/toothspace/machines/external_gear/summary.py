@@ -36,7 +36,8 @@ from toothspace.gearing.meshing import (
     flow_ripple,
     path_of_contact,
 )
-from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.gearing.spaces import Spaces, drive_spaces, section_areas
+from toothspace.geometry.continuous_contact import ContinuousGear
 from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile
@@ -58,6 +59,12 @@ _LARGEST_CHORD = 2e-6
 _LARGEST_FORM_ERROR = 4e-3
 """Of the module: about the total profile tolerance of ISO 1328-1 class 8 for small gears. [-]"""
 _UNEQUAL_PITCH = 1e-3
+_ROUND_OFF = 1e-9
+_OVERLAP_TOLERANCE = 0.05
+_LARGEST_PLAY = 0.005
+"""Backlash of gears whose flanks seal in turn. [modules]"""
+_LEAST_CURVATURE = 0.3
+_LARGEST_REST = 0.01
 DEEPEST_CUT = 0.127e-3
 """Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
 
@@ -107,6 +114,11 @@ def geometry_summary(
                 "overlap_ratio": helix.overlap_ratio,
                 "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
             }
+        ),
+        **(
+            {"encapsulated_volume_mm3": enclosed_area(assembly) * assembly.face_width * 1e9}
+            if assembly.flanks_in_turn
+            else {}
         ),
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
@@ -387,6 +399,8 @@ def _groove_openings(
 
 def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Geometry of the teeth, given by parameters or in files."""
+    if assembly.spec.continuous is not None:
+        return _continuous_checks(assembly, assembly.spec.continuous)
     if assembly.pair is not None:
         vented = assembly.spec.grooves is not None
         return pair_checks(assembly.pair, assembly.face_width, vented=vented)
@@ -416,6 +430,60 @@ def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
         ),
         *of_mesh,
         *profile_checks(assembly),
+    )  # fmt: skip
+
+
+def enclosed_area(assembly: Assembly) -> float:
+    """Section of a tooth space that the mating tooth in its middle leaves open. [m2]."""
+    spaces = drive_spaces(*assembly.teeth, assembly.mesh, np.zeros(1))
+    return float(section_areas(spaces)[0])
+
+
+def _continuous_checks(assembly: Assembly, gear: ContinuousGear) -> tuple[DesignCheck, ...]:
+    """Geometry of teeth whose flanks touch in turn."""
+    helix = assembly.spec.helix
+    overlap = 0.0 if helix is None else helix.overlap_ratio
+    total = overlap + contact_ratio(assembly)
+    nearest = max(round(2.0 * overlap), 1) / 2.0
+    radius, enclosed = gear.smallest_radius, enclosed_area(assembly) * assembly.face_width
+    space = assembly.profiles[0].tooth_space_area * assembly.face_width
+    clearance, bend = min(assembly.root_clearances), _LEAST_CURVATURE * gear.module
+    return (
+        DesignCheck(
+            "total contact ratio", total, "1", "at least 1", total >= 1.0 - _ROUND_OFF,
+            "Loaded flanks of a section touch for half a pitch; the helix must hand the load over "
+            "from section to section.",
+        ),
+        DesignCheck(
+            "overlap ratio", overlap, "1",
+            f"within {_OVERLAP_TOLERANCE:g} of 0.5 or a multiple of it",
+            abs(overlap - nearest) <= _OVERLAP_TOLERANCE,
+            "Flow of a section repeats every half pitch, so that sections over a multiple of it "
+            "deliver without kinematic ripple.",
+        ),
+        DesignCheck(
+            "normal backlash", gear.backlash * 1e3, "mm",
+            f"up to {_LARGEST_PLAY * gear.module * 1e3:.3g} mm ({_LARGEST_PLAY:g} modules)",
+            gear.backlash <= _LARGEST_PLAY * gear.module,
+            "Both flanks seal in turn: play between them joins inlet and outlet in the mesh.",
+        ),
+        DesignCheck(
+            "smallest radius of curvature", radius * 1e3, "mm",
+            f"at least {bend * 1e3:.3g} mm ({_LEAST_CURVATURE:g} modules)",
+            radius >= bend,
+            "Contact pressure grows without bound where a flank bends about a point.",
+        ),
+        DesignCheck(
+            "encapsulated volume", enclosed * 1e9, "mm3",
+            f"up to {_LARGEST_REST * space * 1e9:.3g} mm3 (1 % of a tooth space)",
+            enclosed <= _LARGEST_REST * space,
+            "What the mating tip leaves of a space leaks from the outlet to the inlet along the "
+            "helix.",
+        ),
+        DesignCheck(
+            "root clearance", clearance * 1e3, "mm", "at least 0 mm", clearance > -1e-9,
+            "A tip that reaches below the root jams the gears.",
+        ),
     )  # fmt: skip
 
 
