@@ -18,15 +18,10 @@ from toothspace.results.solution import Solution
 @final
 @dataclass(frozen=True)
 class ViewPage:
-    """Views of a result as one page that needs no server; a notebook shows it in a frame.
-
-    Parameters
-    ----------
-    html : str
-        The page.
-    """
+    """Views of a result as one page that needs no server; a notebook shows it in a frame."""
 
     html: str
+    """The page."""
 
     def _repr_html_(self) -> str:
         held = escape(self.html, quote=True)
