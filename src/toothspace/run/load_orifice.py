@@ -134,7 +134,7 @@ def march_against_orifice(
         How long to march in every round.
     last : History, optional
         A former run of the same machine or of one that differs little, to begin with: against an
-        orifice, or with the outlet held as by :func:`march_held`.
+        orifice, or with the outlet held.
     progress : callable, optional
         Called with the finished share and a short text.
 
@@ -254,17 +254,13 @@ def with_held_outlet(
     )
 
 
-def march_held(
-    held: System, plan: RunPlan, progress: Progress | None, state: Array | None = None
-) -> History:
-    """March a system with a held outlet, with progress that names what it is for."""
+def march_held(held: System, plan: RunPlan, progress: Progress | None) -> History:
+    """March a system with a held outlet until it repeats, with progress that names the reason."""
 
     def sizing(_: float, text: str) -> None:
         tell(progress, UNKNOWN, f"load orifice, {text}")
 
-    # the first one goes on until it repeats, however few revolutions are kept
-    whole = plan if state is not None else replace(plan, revolutions=None)
-    return march_revolutions(held, whole, sizing, state)
+    return march_revolutions(held, replace(plan, revolutions=None), sizing)
 
 
 def _takes_back(

@@ -30,10 +30,10 @@ from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution, standing
 from toothspace.run.condition import fluid_temperature
 from toothspace.run.heating import HeatSearch
-from toothspace.run.load_orifice import march_against_orifice, march_held, with_held_outlet
+from toothspace.run.load_orifice import march_against_orifice, with_held_outlet
 from toothspace.run.running_in import Tracks, run_in
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.flow_regime import flow_regimes
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
@@ -219,7 +219,11 @@ class Marches:
         last = self._begin(system)
         state = None if last is None else first_turn_state(last)
         plan = replace(self._plan, revolutions=None if last is None else 1)
-        history = march_held(system, plan, self._progress, state)
+
+        def warming(_: float, text: str) -> None:
+            tell(self._progress, UNKNOWN, f"temperatures of the films, {text}")
+
+        history = march_revolutions(system, plan, warming, state)
         self.last = history if history.status is Status.DONE else None
         return history
 

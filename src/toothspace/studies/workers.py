@@ -48,7 +48,8 @@ class Workers:
     ) -> Iterator[tuple[int, Any]]:
         """Yield number and result of every call, in the order in which they end.
 
-        A call whose workers of a cluster die gives a :class:`WorkerLostError` as its result.
+        A call whose workers of a cluster die, also when it is alone there, gives a
+        :class:`WorkerLostError` as its result.
 
         Raises ToothspaceError if a process died, the scheduler is lost, or a worker has other
         sources.
@@ -69,9 +70,17 @@ class Workers:
             if self._client is not None and self._client.status == "closed":
                 raise self._lost()
             waiting = {executor.submit(call, item): k for k, item in enumerate(arguments)}
+        blamed = []
         try:
             for future in as_completed(waiting):
-                yield waiting[future], self._result(future)
+                result = self._result(future)
+                if isinstance(result, WorkerLostError):
+                    blamed.append(waiting[future])
+                    continue
+                yield waiting[future], result
+            # the scheduler blames all calls that a worker had when it died: each again, alone
+            for k in blamed:
+                yield k, self._result(executor.submit(call, arguments[k]))
         except BrokenProcessPool as error:
             raise ToothspaceError(
                 f"study: a worker process died, perhaps for lack of memory; {_KEPT} and fewer "

@@ -171,3 +171,27 @@ def test_two_flanks_take_three_quarters_off_the_pulsation_and_continuous_contact
     )
     assert two / one == pytest.approx(0.25, abs=0.03)
     assert none < 0.06 * one
+
+
+def test_flank_gaps_join_fillings_that_are_there_and_add_up_to_those_of_the_spaces() -> None:
+    found = machine()
+    section = {path.name: path for path in found.winding.section.paths}
+    angles = np.linspace(0.0, 2.0 * np.pi, 40)
+    volumes = np.hstack(
+        [own.volume(own.phases + angles[:, None])[..., 0] for own in found.families]
+    )
+    widest = found.winding.section.paths[0].geometry.values[:, 1].max()
+    for name in ("flank_leading", "flank_trailing"):
+        total = np.zeros(angles.size)
+        for path in found.paths:
+            if not path.name.startswith(name):
+                continue
+            width = path.geometry(path.phases + angles[:, None])[..., 1]
+            total += width.sum(axis=1)
+            for ends in (path.nodes_a, path.nodes_b):
+                joined = volumes[:, ends][width > 0.3 * widest]
+                assert joined.min() > 1.05 * volumes.min()
+        own = section[name]
+        mean = own.geometry.moving_mean(found.winding.twist)
+        expected = mean(own.phases + angles[:, None])[..., 1].sum(axis=1)
+        np.testing.assert_allclose(total, expected, rtol=0.03)

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import dask
 import pytest
 import xarray as xr
 from distributed import Client, LocalCluster
@@ -187,3 +188,28 @@ def test_results_are_written_beside_a_client(threads: LocalCluster, tmp_path: Pa
         solution = api.simulate(sweep().at_point({}))
         again = read_dataset(solution.save(tmp_path / "run.nc"))
     assert again["shaft_torque"].equals(solution.data["shaft_torque"])
+
+
+@posix
+def test_a_point_that_exhausts_its_worker_fails_alone() -> None:
+    """The nanny ends a worker beyond its memory; the other points are done by another one."""
+
+    def hungry(item: int) -> int:
+        import time
+
+        held = b"x" * (900 << 20) if item == 1 else b""
+        time.sleep(20.0 if held else 0.0)
+        return len(held) + item
+
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        LocalCluster(
+            n_workers=1, threads_per_worker=1, memory_limit="600MiB", dashboard_address=None
+        ) as cluster,
+        Workers(1, cluster.scheduler_address) as pool,
+    ):
+        found = dict(pool.each(hungry, [0, 1, 2]))
+    assert found[0] == 0
+    assert found[2] == 2
+    assert isinstance(found[1], WorkerLostError)
+    assert "lack of memory" in str(found[1])
