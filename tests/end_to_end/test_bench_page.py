@@ -135,6 +135,25 @@ def test_a_new_pump_runs_and_turns(page: Any) -> None:
     page.click("#play")
 
 
+def test_one_cursor_goes_through_all_views(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs >> text=Views")
+    page.wait_for_selector(".view[data-view=loss_tree] canvas")
+    page.locator(".view[data-view=outlet_pressure] canvas").hover(position={"x": 200, "y": 60})
+    until(page, "Number(document.getElementById('angle').value) > 1")
+    orbit = page.locator(".view[data-view=orbit_drive_gear] output")
+    until(page, "document.querySelector('[data-view=orbit_drive_gear] output').textContent !== ''")
+    before = orbit.inner_text()
+    page.locator("#angle").press("End")
+    assert orbit.inner_text() != before
+    # films of the bearings, in the plane and in space
+    film = page.locator(".view[data-view=journal_drive_gear]")
+    film.locator("button").click()
+    assert film.locator("button").get_attribute("aria-pressed") == "true"
+    film.locator("canvas").hover(position={"x": 150, "y": 170})
+    assert "Pressure" in film.locator("output").inner_text()
+
+
 def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.click("#tabs >> text=Case file")

@@ -41,6 +41,11 @@ _WHY_LOAD = "The bearings carry the whole pressure force; too high a load wipes 
 _WHY_HEAT = "Load times sliding speed is the heat that the bearing film must carry away."
 _WHY_PITS = "Repeated contact pressure above the endurance of the flanks breaks out pits."
 _WHY_ROOT = "Every passage bends the tooth once; above the endurance limit it breaks at the root."
+TOOL_MODULES = (
+    0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0,
+    4.5, 5.0, 5.5, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0, 14.0, 16.0, 20.0,
+)  # fmt: skip
+"""Modules of which there are tools. [mm]"""
 
 
 def pair_checks(

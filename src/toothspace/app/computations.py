@@ -19,6 +19,8 @@ from toothspace.core.files import plain, write_text
 from toothspace.core.progress import Progress, reporting_to
 from toothspace.core.status import Status
 
+VIEWS = "views.json"
+"""File of a run with its views."""
 _KEPT_DESIGNS = 4
 
 
@@ -106,6 +108,15 @@ class Computations:
             raise CaseError("A run over time does not repeat: it has no pictures of one pitch.")
         return turning_answer(self.case(tables), answers.solution)
 
+    def views(self, design: str, tables: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """Views of the last answer."""
+        from toothspace.report.views import views_of
+
+        answers = self._answers.get(design)
+        if answers is None or answers.solution is None:
+            raise CaseError("There is no answer yet: run the machine first.")
+        return views_of(answers.solution)
+
     def written(self, design: str, tables: Mapping[str, Any], ending: str, path: str) -> None:
         """Write the last answer of a design as ``nc``, ``csv``, ``html`` or ``png``."""
         answers = self._answers.get(design)
@@ -124,16 +135,19 @@ class Computations:
                 write_text(target / "result.json", json.dumps(found["numbers"], indent=2))
                 return found
             from toothspace.api import simulate
+            from toothspace.report.views import views_of
 
             solution = simulate(case, self._told)
         if solution.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
         for ending in ("nc", "csv", "html"):
             _write(solution, target / f"result.{ending}", ending)
+        write_text(target / VIEWS, json.dumps(views_of(solution)))
         return shown(solution)
 
     def _study(self, case: Case, target: Path, *, resume: bool) -> dict[str, Any]:
         from toothspace.report.study import write_study_report
+        from toothspace.report.views import study_views
         from toothspace.studies import run_study
 
         result = run_study(case, target, progress=self._told, resume=resume)
@@ -141,6 +155,7 @@ class Computations:
             raise KeyboardInterrupt
         result.save(target)
         write_study_report(result, target / "result.html")
+        write_text(target / VIEWS, json.dumps(study_views(result, case)))
         return {
             "status": result.status.name.lower(),
             "done": result.status.succeeded,

@@ -34,6 +34,8 @@ HOST = "127.0.0.1"
 _LOOK_TIME = 60.0
 """In which a machine is drawn, or its case is read. [s]"""
 _MOST_CONNECTIONS = 64
+_VIEW_FILES = ("views.js", "views.css")
+"""What draws views of a result, as in reports."""
 _TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -41,6 +43,7 @@ _TYPES = {
     ".svg": "image/svg+xml",
     ".nc": "application/x-netcdf",
     ".csv": "text/csv; charset=utf-8",
+    ".json": "application/json",
     ".png": "image/png",
     ".gif": "image/gif",
     ".fmu": "application/zip",
@@ -131,7 +134,11 @@ class Bench:
         return self._schema
 
     def new_design(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Keep a new design: from a listed ``case``, ``toml``, ``tables``, or numbers (``new``)."""
+        """Keep a new design.
+
+        From a listed ``case``, ``toml``, ``tables``, numbers (``new``), or a point (``values``) of
+        a ``run``.
+        """
         text = given.get("toml")
         if "new" in given:
             numbers = _table(given, "new")
@@ -139,6 +146,15 @@ class Bench:
             text = self._look("new", machine, {name: str(v) for name, v in numbers.items()})
         if text is not None:
             tables = self._look("read", str(text))
+        elif "run" in given:
+            run = str(given["run"])
+            tables = next(
+                (one["tables"] for one in self.workspace.runs() if one["id"] == run), None
+            )
+            if tables is None:
+                raise CaseError("run", repr(run[:200]), "one that is kept here")
+            tables.pop("study", None)
+            tables = self._look("changed", tables, _table(given, "values"))
         elif "tables" in given:
             tables = self._look("changed", _table(given, "tables"), {})
         else:
@@ -230,6 +246,11 @@ class Bench:
         """Pictures of one pitch of the last answer of a design."""
         with self._turn:
             return self._solving.call("turning", name, self.workspace.design(name)["tables"])
+
+    def views(self, name: str) -> Any:
+        """Views of the last answer of a design."""
+        with self._turn:
+            return self._solving.call("views", name, self.workspace.design(name)["tables"])
 
     def download(self, name: str, ending: str) -> FileAnswer:
         """Last answer of a design as a file; ``toml`` is its case."""
@@ -403,7 +424,9 @@ def application(bench: Bench) -> Any:
     async def page(request: Request) -> Response:
         name = request.path_params.get("name", "index.html")
         static = files("toothspace.app").joinpath("static")
-        if name not in {entry.name for entry in static.iterdir()}:
+        if name in _VIEW_FILES:
+            static = files("toothspace").joinpath("report", "templates")
+        elif name not in {entry.name for entry in static.iterdir()}:
             return Response(b"", 404)
         found = static.joinpath(name)
         return answered(FileAnswer(found.read_bytes(), Path(name).suffix))
@@ -436,6 +459,7 @@ def application(bench: Bench) -> Any:
             route(f"{one}/answer", bench.answer, "POST"),
             route(f"{one}/stop", bench.stop, "POST"),
             route(f"{one}/turning", bench.turning),
+            route(f"{one}/views", bench.views),
             route(f"{one}/toml", bench.toml),
             route(f"{one}/download/{{ending}}", bench.download),
             route("/api/runs", bench.queue.runs),

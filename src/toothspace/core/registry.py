@@ -139,6 +139,7 @@ VIEWS: Mapping[str, str] = {
     "figures": "toothspace.plotting.catalogue:available_figures",
     "machine_figure": "toothspace.plotting.catalogue:machine_figure",
     "report": "toothspace.report:write_report",
+    "bench": "toothspace.report.view_page:solution_page",
     "card": "toothspace.report.card:solution_card",
     "case_card": "toothspace.report.card:case_card",
 }

@@ -41,6 +41,7 @@ from toothspace.plotting.style import (
 )
 from toothspace.plotting.waveforms import speed_and_pressure
 from toothspace.report.page import format_value, quantity, render, shown_unit
+from toothspace.report.views import views_html, views_of
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.performance import DRAG, LABELS, PRESSURE, by_label, parts_of
 from toothspace.results.solution import Solution
@@ -166,7 +167,8 @@ def report_html(
         shown = [(e.name, e.caption, figure_to_svg(f)) for e, f in figures if e.chapter == key]
         if shown:
             chapters.append({"key": key, "title": title, "figures": shown})
-    return render("report.html.j2", chapters=chapters, turning=turning, **contents)
+    views = views_html(views_of(solution, description))
+    return render("report.html.j2", chapters=chapters, turning=turning, views=views, **contents)
 
 
 def report_contents(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from toothspace.results.variables import stem_and_unit
 
-_TEMPLATES = Path(__file__).parent / "templates"
+TEMPLATES = Path(__file__).parent / "templates"
 _TYPOGRAPHY = (("degC", "°C"), ("deg", "°"), ("um", "µm"), ("m2", "m²"), ("m3", "m³"))
 """Units as plain text, and for a reader."""
 
@@ -18,13 +18,13 @@ def render(template: str, **values: Any) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
+        loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    style = (_TEMPLATES / "report.css").read_text(encoding="utf-8")
+    style = (TEMPLATES / "report.css").read_text(encoding="utf-8")
     return environment.get_template(template).render(style=style, **values)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from toothspace.core.files import write_text
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.page import format_value, quantity, render, shown_unit
+from toothspace.report.views import study_views, views_html
 from toothspace.studies.study import StudyResult, StudyTable, study_figures
 
 _LONGEST_TABLE = 400
@@ -51,6 +52,7 @@ def study_report_html(result: StudyResult) -> str:
         ],
         figures=[(f.name, f.caption, figure_to_svg(f.figure)) for f in figures],
         answer=[sentence for table in result.tables[:1] for sentence in best_points(table)],
+        views=views_html(study_views(result)),
         tables=[_table(table) for table in result.tables],
         provenance=[(k.replace("_", " "), v or "none") for k, v in provenance.items()],
         case_toml=result.provenance.get("case_toml", ""),

@@ -201,6 +201,14 @@ class Solution:
         written: Path = view("report")(self, f"{stem}.html" if path is None else path)
         return written
 
+    def bench(self) -> Any:
+        """Return the views of the bench as a page without a server, which a notebook shows.
+
+        Curves with one cursor through them and the turning section, spectra, orbits, films in plane
+        and space, losses. ``solution.bench().save("views.html")`` writes it.
+        """
+        return view("bench")(self)
+
     def to_dataframe(self) -> pd.DataFrame:
         """Return all samples as columns named ``variable`` or ``variable[label]``, SI units.
 

@@ -10,7 +10,7 @@ const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
 const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
-const TABS = [["answer", "Answer"], ["geometry", "Geometry and rules"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
+const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = null, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], playing = 0;
 window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [] };
@@ -30,6 +30,7 @@ async function open(id) {
   by("start").hidden = true; by("bench").hidden = false; by("design-tools").hidden = false;
   Object.assign(window.bench, { answers: [], looks: [] });
   answer = ghost = shape = measured = null; machine.turn(null); machine.handles = []; machine.box = null;
+  viewsDrawn = null; by("views").replaceChildren();
   by("tiles").replaceChildren(); by("verdict").textContent = ""; by("curves").replaceChildren(); curves.plots.clear();
   take(found);
   choose("answer");
@@ -104,6 +105,7 @@ async function solve(full = false) {
   if (!full) ghost = answer?.first ?? answer ?? ghost;
   answer = { ...found, full, first: full ? answer?.first : undefined };
   showAnswer();
+  showViews();
   say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
   const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
   if (!full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
@@ -224,6 +226,27 @@ async function variant(given, solved = false) { await attempt(async () => { take
 async function showKeys() { schema ??= await attempt(() => ask("/api/schema")); if (schema) buildForm(by("form"), schema, design.tables, (path, value) => change({ values: { [path]: value } })); }
 async function showText() { const found = await attempt(() => ask(`/api/designs/${design.id}/toml`)); if (found !== null) by("text").value = found; }
 
+// ---- views: films, orbits, spectra, losses of the answer, or of a run that has ended ------------
+let viewsDrawn = null;
+async function showViews() {
+  if (by("panel-views").hidden || !design) return;
+  const select = by("views-of"), kept = runs.filter(r => r.state === "done" && (r.kind === "run" || r.kind === "study")), had = select.value;
+  select.replaceChildren(new Option("the answer", ""), ...kept.map(r => new Option(`${r.title}: ${r.kind}, ${new Date(1000 * r.begun).toLocaleTimeString()}`, r.id)));
+  select.value = [...select.options].some(o => o.value === had) ? had : "";
+  const run = select.value, wanted = run || (answer ? `${design.id} ${answer.version} ${answer.full}` : "");
+  if (!wanted) { by("views").replaceChildren(element("p", { className: "small", textContent: "There is no answer yet." })); return; }
+  const key = `${wanted} ${JSON.stringify(units)}`;
+  if (viewsDrawn === key) return;
+  let found;
+  try { found = await ask(run ? `/api/runs/${run}/views.json` : `/api/designs/${design.id}/views`); } catch (error) { by("views").replaceChildren(element("p", { className: "bad", textContent: error.message })); return; }
+  viewsDrawn = key;
+  if (!found.length) { by("views").replaceChildren(element("p", { className: "small", textContent: "No views: see the report of the run." })); return; }
+  toothspaceViews(by("views"), found, { text, shown: (v, unit) => [toShown(v, unit), unitShown(unit)], open: values => attempt(async () => open((await ask("/api/designs", { run, values })).id)) });
+}
+by("views-of").onchange = () => { viewsDrawn = null; showViews(); };
+by("views-page").onclick = () => window.open(by("views-of").value ? `/api/runs/${by("views-of").value}/result.html` : `/api/designs/${design.id}/download/html`, "_blank", "noopener");
+document.addEventListener("toothspace-cursor", ({ detail }) => { if (detail.over === "shaft_angle" && detail.from !== machine && answer?.turn) turnTo(detail.value, true); });
+
 // ---- runs, studies, files ----------------------------------------------------------------------
 const LINKS = [["toml", "Case file"], ["html", "Report"], ["nc", "Result (NetCDF)"], ["csv", "Samples (CSV)"], ["png", "Picture"]];
 function showRuns() {
@@ -265,6 +288,7 @@ function studyForm() {
 function turnTo(angle, own = false) {
   machine.angle = angle; by("angle").value = angle; by("angle-shown").textContent = `${text(angle, 4)}°`; machine.draw();
   if (own) curves.cursor(angle);
+  if (!by("panel-views").hidden) document.dispatchEvent(new CustomEvent("toothspace-cursor", { detail: { over: "shaft_angle", value: angle, from: machine } }));
 }
 function play(now) { if (!playing) return; if (playing.last) turnTo((machine.angle + (now - playing.last) * 0.012) % 360, true); playing.last = now; requestAnimationFrame(play); }
 function stopPlaying() { playing = 0; by("play").setAttribute("aria-pressed", "false"); by("play").textContent = "Turn"; }
@@ -277,6 +301,7 @@ function choose(name) {
   for (const [one] of TABS) by(`panel-${one}`).hidden = one !== name;
   for (const tab of by("tabs").children) tab.setAttribute("aria-selected", tab.dataset.name === name);
   if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); }
+  if (name === "views") attempt(async () => { await loadRuns(); await showViews(); });
   if (name === "keys") showKeys();
   if (name === "text") showText();
   if (name === "variants") showVariants();
@@ -297,7 +322,7 @@ by("measured").onchange = async event => {
   measured = { name: "chamber", at: x => x.map(a => { const k = rows.findIndex(r => r[0] >= a); if (k <= 0) return k === 0 && rows[0][0] === a ? toShown(rows[0][1], "bar") : null; const [p, q] = [rows[k - 1], rows[k]]; return toShown(p[1] + (q[1] - p[1]) * (a - p[0]) / (q[0] - p[0]), "bar"); }) };
   if (answer) showAnswer();
 };
-by("settings-open").onclick = () => { settingsForm(by("settings-form"), () => { document.documentElement.dataset.theme = units.theme; for (const set of [curves, areas]) { set.box.replaceChildren(); set.plots.clear(); } if (design && shape) { dimensions(); geometry(); machine.legend(); machine.fit(); } if (answer) { showAnswer(); showVariants(); } }); by("settings").showModal(); };
+by("settings-open").onclick = () => { settingsForm(by("settings-form"), () => { document.documentElement.dataset.theme = units.theme; for (const set of [curves, areas]) { set.box.replaceChildren(); set.plots.clear(); } if (design && shape) { dimensions(); geometry(); machine.legend(); machine.fit(); } if (answer) { showAnswer(); showVariants(); showViews(); } }); by("settings").showModal(); };
 document.documentElement.dataset.theme = units.theme;
 
 const events = new EventSource("/api/events");

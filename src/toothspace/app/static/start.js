@@ -29,8 +29,10 @@ async function attempt(work) { complain(null); document.body.style.cursor = "pro
 export function newDialog(machines, begin) {
   const form = by("new-form"), field = (name, label, value, unit) => element("label", {}, label, element("span", { className: "value" }, element("input", { name, type: "text", value: text(toShown(value, unit)), required: true }), element("span", { textContent: unitShown(unit) })));
   const machine = element("select", { name: "machine" }, ...machines.map(name => element("option", { value: name, textContent: name.replace(/_/g, " ") })));
+  machine.value = "external_gear";
+  machine.onchange = () => { form.elements.pressure.value = text(toShown(machine.value === "gerotor" ? 60 : 210, "bar")); };
   form.replaceChildren(element("h2", { textContent: "Size a pump" }), element("label", {}, "Machine", machine), field("displacement", "Displacement per turn", 14, "cm^3"), field("pressure", "Outlet pressure", 210, "bar"), field("speed", "Speed", 1500, "rpm"),
-    element("p", { className: "small", textContent: "Module, teeth, face width, bearings, clearances, grooves and running-in follow from the design rules." }),
+    element("p", { className: "small", textContent: "Teeth, face width, bearings, clearances, ports and grooves follow from the design rules." }),
     element("div", { className: "row" }, element("button", { className: "first", value: "ok", textContent: "Design it" }), element("button", { value: "no", textContent: "Cancel", formNoValidate: true })));
   form.onsubmit = event => {
     if (event.submitter?.value !== "ok") return;

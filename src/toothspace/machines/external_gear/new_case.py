@@ -7,14 +7,10 @@ import math
 from toothspace.advice.gear_rules import (
     MAX_BEARING_PRESSURE,
     RADIAL_LOAD_COEFFICIENT,
+    TOOL_MODULES,
     least_normal_backlash,
 )
 
-_MODULES = (
-    0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0,
-    4.5, 5.0, 5.5, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0, 14.0, 16.0, 20.0,
-)  # fmt: skip
-"""Modules of which there are tools. [mm]"""
 _VOLUME = 85.8
 """Displacement of a turn over module^2 and face width, of the teeth below. [-]"""
 _TIP, _CENTER, _JOURNAL, _LENGTH = 14.68, 12.57, 6.55, 6.9
@@ -25,6 +21,9 @@ _RUN_IN = 1.25
 """Pressure of running-in over that of the design. [-]"""
 _BEARING_SHARE = 0.8
 """Of the largest specific load of the bearings, at the pressure of running-in. [-]"""
+
+_APART = 0.02
+"""By which the opening-side groove moves away from one proposal to the next, in modules."""
 
 _CASE = """# First design of an external gear pump: {volume:.4g} cm3/rev, {pressure:.4g} bar,
 # {speed:.4g} rpm.
@@ -71,7 +70,7 @@ material = "ptfe_lined_bush"
 
 [machine.relief_grooves]         # nearer: lower peaks, more leakage; wider apart: the other way
 closing_side_offset = "{groove:.2f} mm"
-opening_side_offset = "{groove:.2f} mm"
+opening_side_offset = "{opening:.2f} mm"    # as far as the mesh needs to part the ports
 width = "{reach:.1f} mm"
 radial_extent = "{reach:.1f} mm"
 depth = "{depth:.2f} mm"
@@ -112,7 +111,9 @@ until = "cyclic"
 """
 
 
-def new_case(volume: float, pressure: float, speed: float, share: float = 1.0) -> str:
+def new_case(
+    volume: float, pressure: float, speed: float, share: float = 1.0, step: int = 0
+) -> str:
     r"""First design as a case file.
 
     Parameters
@@ -125,6 +126,8 @@ def new_case(volume: float, pressure: float, speed: float, share: float = 1.0) -
         Shaft speed. [rpm]
     share : float
         Face width over that of the estimate. [-]
+    step : int
+        Number of the proposal: the ports are parted more with each.
 
     Returns
     -------
@@ -145,16 +148,17 @@ def new_case(volume: float, pressure: float, speed: float, share: float = 1.0) -
     widest = 2.0 * _JOURNAL * _LENGTH / (RADIAL_LOAD_COEFFICIENT * _TIP) * carried
     ratio = min(max(widest, _NARROWEST), _WIDEST)
     wanted = (1e3 * volume / (_VOLUME * ratio)) ** (1.0 / 3.0)
-    above = [module for module in _MODULES if module >= 0.999 * wanted]
-    module = above[0] if above else _MODULES[-1]
+    above = [module for module in TOOL_MODULES if module >= 0.999 * wanted]
+    module = above[0] if above else TOOL_MODULES[-1]
     width = share * 1e3 * volume / (_VOLUME * module**2)
     least = 1e3 * least_normal_backlash(1e-3 * module, 1e-3 * _CENTER * module)
     journal, length, size = round(_JOURNAL * module, 1), round(_LENGTH * module, 1), module / 2.75
     journal_gap, block_gap = max(0.5 * journal, 2.0), max(25.0 * size**0.5, 8.0)
     squeezed = (speed * module / (1500.0 * 2.75)) ** 2 * 200.0 / pressure
     harder = min(max(squeezed, 1.0), 30.0)
+    groove = (1.2 - 0.04 * math.log2(harder)) * module
     load = RADIAL_LOAD_COEFFICIENT * 0.1 * run_in * width * _TIP * module / (2.0 * journal * length)
-    text = _CASE.format(
+    return _CASE.format(
         volume=volume,
         pressure=pressure,
         speed=speed,
@@ -173,7 +177,8 @@ def new_case(volume: float, pressure: float, speed: float, share: float = 1.0) -
         journal_gap=journal_gap,
         load=load,
         most_load=1e-6 * MAX_BEARING_PRESSURE,
-        groove=(1.2 - 0.04 * math.log2(harder)) * module,
+        groove=groove,
+        opening=groove + _APART * step * module,
         reach=3.64 * module,
         depth=0.545 * module * harder**0.25,
         side_gap=max(5.2 * size**0.5, 3.0),
@@ -183,10 +188,3 @@ def new_case(volume: float, pressure: float, speed: float, share: float = 1.0) -
         seal=0.15 * journal / 18.0,
         port=max(volume, 1.0),
     )
-    return "\n".join(map(_aligned, text.split("\n")))
-
-
-def _aligned(line: str) -> str:
-    """Line whose remark stands in a column of its own."""
-    given, mark, remark = line.partition("  #")
-    return f"{given.rstrip():<33}#{remark}" if mark else line
