@@ -154,6 +154,20 @@ def test_one_cursor_goes_through_all_views(page: Any) -> None:
     assert "Pressure" in film.locator("output").inner_text()
 
 
+def test_the_circuit_is_a_diagram_with_its_values(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs >> text=Circuit")
+    page.click("#circuit [data-element=load]")
+    page.fill("#circuit input[title='operating_point.outlet_pressure']", "150 bar")
+    page.keyboard.press("Tab")
+    until(page, "bench.answer?.version === bench.design.version && bench.design.version === 2")
+    assert 149.0 < page.evaluate("bench.answer.numbers.outlet_pressure_bar") < 151.0
+    page.check("#fidelity input >> nth=0")
+    until(page, "bench.design.tables.run.fidelity === 'ideal'")
+    until(page, "bench.answer?.version === bench.design.version")
+    assert page.evaluate("bench.answer.numbers.volumetric_efficiency") == 1.0
+
+
 def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.click("#tabs >> text=Case file")
