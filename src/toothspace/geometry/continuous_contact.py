@@ -15,9 +15,8 @@ them does.
 References
 ----------
 .. [1] Litvin, Fuentes, Gear Geometry and Applied Theory, 2nd ed., 2004, chapters 6 and 13.
-.. [2] Morselli, Positive-displacement rotary pump with gear wheels, EP 1132618 A2, 2001.
-.. [3] Zhao, Vacca, Dhar, Numerical modeling of a helical external gear pump with continuous-contact
-    gear profile, BATH/ASME Symposium on Fluid Power and Motion Control, FPMC2018-8853, 2018.
+.. [2] EP 1921319, positive-displacement rotary pump with gears that mesh without encapsulation and
+    whose helical teeth overlap by about one.
 """
 
 from __future__ import annotations
