@@ -269,6 +269,11 @@ class Bench:
         with self._turn:
             return self._solving.call("turning", name, self.workspace.design(name)["tables"])
 
+    def findings(self, name: str) -> Any:
+        """What there is to know of the last answer of a design."""
+        with self._turn:
+            return self._solving.call("findings", name)
+
     def views(self, name: str) -> Any:
         """Views of the last answer of a design."""
         with self._turn:
@@ -482,6 +487,7 @@ def application(bench: Bench) -> Any:
             route(f"{one}/answer", bench.answer, "POST"),
             route(f"{one}/stop", bench.stop, "POST"),
             route(f"{one}/turning", bench.turning),
+            route(f"{one}/findings", bench.findings),
             route(f"{one}/views", bench.views),
             route(f"{one}/toml", bench.toml),
             route(f"{one}/download/{{ending}}", bench.download),

@@ -112,7 +112,14 @@ async function solve(full = false) {
   say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
   const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
   if (!full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
+  await fetchFindings();
   fetchTurning();
+}
+// a quick answer comes before what there is to know of it
+async function fetchFindings() {
+  const own = answer, id = design.id;
+  if (own.findings) return;
+  try { const found = await ask(`/api/designs/${id}/findings`); if (answer === own) { Object.assign(own, found); showAnswer(); } } catch { /* another answer is under way */ }
 }
 async function fetchTurning() {
   if (!answer?.turn || !shape?.section.cells.length) return;
@@ -169,8 +176,8 @@ function sentence() {
   const bar = v => `${text(toShown(v, "bar"), 4)} ${unitShown("bar")}`;
   const peak = n.max_chamber_pressure_bar, out = Math.max(n.outlet_pressure_bar ?? 0, n.inlet_pressure_bar ?? 0);
   if (peak === undefined || !out) return answer.sentence;
-  const calm = peak <= 1.5 * out, serious = answer.findings.filter(f => f.severity === "serious").length;
-  return `${calm ? "No pressure peak to worry about" : "Trapped oil peaks high"}: at most ${bar(peak)}, ${text(peak / out, 3)} times the working pressure. Overall efficiency ${text(100 * n.overall_efficiency, 3)} %` + (serious ? `; ${serious} serious finding${serious > 1 ? "s" : ""} below.` : answer.findings.length ? `; ${answer.findings.length} thing${answer.findings.length > 1 ? "s" : ""} to know below.` : ".");
+  const calm = peak <= 1.5 * out, found = answer.findings ?? [], serious = found.filter(f => f.severity === "serious").length;
+  return `${calm ? "No pressure peak to worry about" : "Trapped oil peaks high"}: at most ${bar(peak)}, ${text(peak / out, 3)} times the working pressure. Overall efficiency ${text(100 * n.overall_efficiency, 3)} %` + (serious ? `; ${serious} serious finding${serious > 1 ? "s" : ""} below.` : found.length ? `; ${found.length} thing${found.length > 1 ? "s" : ""} to know below.` : ".");
 }
 function showAnswer() {
   if (!by("panel-variants").hidden) showVariants();
@@ -198,7 +205,7 @@ function showAnswer() {
   } else curves.show([]);
   const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
   by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${text(l.watt, 3)} W` })); }));
-  by("findings").replaceChildren(...answer.findings.map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
+  by("findings").replaceChildren(...(answer.findings ?? []).map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
 }
 let geometryBefore = null;
 function geometry() {
