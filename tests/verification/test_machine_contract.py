@@ -78,7 +78,10 @@ def own_angles(part: ChamberFamily | FlowPath | ContactPair) -> Array:
 def tables_of(machine: MachineDescription) -> list[tuple[str, PeriodicTable]]:
     found = [(f.name, t) for f in machine.families for t in (f.volume, f.volume_by_motion)]
     for path in machine.paths:
-        tables = (path.geometry, path.height_by_motion, path.drag_speed, path.shear_speed)
+        # where a gap is closed over the end of its period nothing else about it counts
+        closed = path.kind == "parallel_gap" and not path.geometry.values[[0, -1], 1].any()
+        others = path.height_by_motion, path.drag_speed, path.shear_speed
+        tables = (path.geometry, *(() if closed else others))
         found += [(path.name, table) for table in tables if table is not None]
     for contact in machine.contacts:
         gaps = PeriodicTable(contact.geometry.period, *_gap_and_share(contact))
@@ -238,6 +241,12 @@ def test_a_pump_driven_backwards_is_the_motor(name: str) -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 61)
     assert pump.displacement == pytest.approx(motor.displacement, rel=1e-9)
     for one, other in zip(pump.families, motor.families, strict=True):
+        if one.volume.period > 2.0 * np.pi:
+            # spaces that the mating tooth cuts in two begin on another side: all of them together
+            own = sum(one.volume(angle + phase) for phase in one.phases)
+            mirrored = sum(other.volume(-(angle + phase)) for phase in one.phases)
+            assert own == pytest.approx(mirrored, rel=1e-9)
+            continue
         mirrored = other.volume(-angle)
         assert one.volume(angle) == pytest.approx(mirrored, rel=1e-5, abs=1e-13)
 
