@@ -17,6 +17,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,8 @@ MACHINES = {
 """Shipped machines and the dimension that is changed."""
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 CHANGES = 4
+RUNS = 10
+"""Answers after which memory is looked at."""
 
 
 def until(page: Any, holds: str, longest: float = 120.0) -> None:
@@ -89,7 +92,7 @@ def measure(page: Any, name: str, path: str) -> dict[str, Any]:
         page.keyboard.press("ArrowUp" if k % 2 else "ArrowDown")
         until(page, f"bench.answers.length > {count}")
     page.wait_for_timeout(200)
-    frames, group = [], page.locator(f"#handles [data-path='{path}'] circle").last
+    frames, apart, group = [], [], page.locator(f"#handles [data-path='{path}'] circle").last
     if group.count():
         page.evaluate("bench.frames.length = 0")
         box = group.bounding_box()
@@ -98,8 +101,11 @@ def measure(page: Any, name: str, path: str) -> dict[str, Any]:
         page.mouse.down()
         for step in range(60):
             page.mouse.move(x + 0.2 * (step % 10), y)
+            page.wait_for_timeout(8)
         page.mouse.up()
         frames = page.evaluate("bench.frames.map(f => f.paint)")
+        at = page.evaluate("bench.frames.map(f => f.at)")
+        apart = [later - earlier for earlier, later in pairwise(at) if later > earlier]
     answers, looks = page.evaluate("bench.answers"), page.evaluate("bench.looks")
     quick = [a["ms"] / 1e3 for a in answers if not a["full"]][1:]
     return {
@@ -109,6 +115,7 @@ def measure(page: Any, name: str, path: str) -> dict[str, Any]:
         "look_median_ms": round(statistics.median(looks), 1),
         "paint_median_ms": round(statistics.median(frames), 2) if frames else None,
         "paint_worst_ms": round(max(frames), 2) if frames else None,
+        "frame_median_ms": round(statistics.median(apart), 1) if apart else None,
     }
 
 
@@ -140,6 +147,17 @@ def main(names: Sequence[str] = ()) -> None:
             found[name] |= answer_cost(server, newest, path)
             print(name, found[name], flush=True)
         own = psutil.Process()
+        page.goto(server.address.partition("?")[0] + f"#{newest}")
+        page.reload()
+        until(page, "bench.answers.length > 0")
+        for _ in range(RUNS):
+            count = page.evaluate("bench.answers.length")
+            page.locator(f".dimension[data-path='{path}'] input[type=text]").focus()
+            page.keyboard.press("ArrowDown")
+            until(page, f"bench.answers.length > {count}")
+        shown = [p for p in own.children(recursive=True) if "--type=renderer" in p.cmdline()]
+        found["page_memory_MB"] = round(max(p.memory_full_info().pss for p in shown) / 1e6)
+        found["server_memory_MB"] = round(own.memory_full_info().pss / 1e6)
         processes = [own, *(p for p in own.children(recursive=True) if "python" in p.name())]
         found["memory_MB"] = round(sum(p.memory_full_info().pss for p in processes) / 1e6)
         chromium.close()

@@ -92,6 +92,7 @@ def test_a_dragged_groove_lowers_the_peak(page: Any) -> None:
     assert 2.9 < float(value.removesuffix(" mm")) < 3.4
     assert page.evaluate("bench.answer.numbers.max_chamber_pressure_bar") < before - 5.0
     assert "from before" in page.inner_text("#tiles")
+    until(page, "Array.isArray(bench.answer.findings)")
     # a reload loses nothing, and a second tab sees the same
     address = page.url
     page.reload()
@@ -152,6 +153,21 @@ def test_one_cursor_goes_through_all_views(page: Any) -> None:
     assert film.locator("button").get_attribute("aria-pressed") == "true"
     film.locator("canvas").hover(position={"x": 150, "y": 170})
     assert "Pressure" in film.locator("output").inner_text()
+
+
+def test_the_circuit_is_a_diagram_with_its_values(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs >> text=Circuit")
+    page.click("#circuit [data-element=load]")
+    page.fill("#circuit input[title='operating_point.outlet_pressure']", "150 bar")
+    page.keyboard.press("Tab")
+    until(page, "bench.answer?.version === bench.design.version && bench.design.version === 2")
+    assert 149.0 < page.evaluate("bench.answer.numbers.outlet_pressure_bar") < 151.0
+    page.check("#fidelity input >> nth=0")
+    until(page, "bench.design.tables.run.fidelity === 'ideal'")
+    until(page, "bench.answer?.version === bench.design.version")
+    efficiency = page.evaluate("bench.answer.numbers.volumetric_efficiency")
+    assert efficiency == pytest.approx(1.0, abs=1e-6)
 
 
 def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:

@@ -120,14 +120,30 @@ def _as_warm(machine: MachineDescription, warm: MachineDescription | None) -> Ma
     )
 
 
-def shown(solution: Solution) -> dict[str, Any]:
-    """Return a solution as the bench shows it: numbers, findings, curves over a turn, losses."""
+def told(solution: Solution) -> dict[str, Any]:
+    """Return what there is to know of a solution: the sentence on its status, and findings."""
+    return {
+        "sentence": status_line(solution.status, solution.findings),
+        "findings": [finding.to_dict() for finding in solution.findings],
+    }
+
+
+def shown(solution: Solution, *, findings: bool = True) -> dict[str, Any]:
+    """Return a solution as the bench shows it: numbers, findings, curves over a turn, losses.
+
+    Parameters
+    ----------
+    solution : Solution
+        The answer.
+    findings : bool
+        Whether to look for findings too, a tenth of a second in which a quick answer is waited
+        for; None stands for them otherwise.
+    """
     found: dict[str, Any] = {
         "status": solution.status.name.lower(),
-        "sentence": status_line(solution.status, solution.findings),
+        **(told(solution) if findings else {"sentence": solution.status.value, "findings": None}),
         "done": solution.status.succeeded,
         "numbers": plain(solution.summary()),
-        "findings": [finding.to_dict() for finding in solution.findings],
         "case": solution.provenance.get("case_hash", ""),
         "preset": solution.provenance.get("preset", ""),
     }

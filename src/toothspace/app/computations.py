@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, final
 
-from toothspace.app.answers import Answers, shown, turning_answer
+from toothspace.app.answers import Answers, shown, told, turning_answer
 from toothspace.app.drawing import DRAG_NODES, look
 from toothspace.app.workspace import Workspace
 from toothspace.case import Case, load_case
@@ -97,7 +97,14 @@ class Computations:
             found = solve(case, self._told)
         if found.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        return shown(found)
+        return shown(found, findings=full or not found.status.succeeded)
+
+    def findings(self, design: str) -> dict[str, Any]:
+        """What there is to know of the last answer of a design."""
+        answers = self._answers.get(design)
+        if answers is None or answers.solution is None:
+            raise CaseError("There is no answer yet: run the machine first.")
+        return told(answers.solution)
 
     def turning(self, design: str, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Pictures of one pitch of the last answer."""

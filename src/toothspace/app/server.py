@@ -12,7 +12,7 @@ import threading
 import tomllib
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from importlib.resources import files
 from importlib.util import find_spec
@@ -23,6 +23,8 @@ from toothspace.app.guard import Guard
 from toothspace.app.queue import RunQueue
 from toothspace.app.workers import StoppedError, Worker
 from toothspace.app.workspace import LARGEST_UPLOAD, Workspace
+from toothspace.case.conditions import InterfaceChoice
+from toothspace.case.presets import INTERFACES, MODELS, PRESETS
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.registry import machine_type_names, optional_function
 
@@ -34,6 +36,13 @@ HOST = "127.0.0.1"
 _LOOK_TIME = 60.0
 """In which a machine is drawn, or its case is read. [s]"""
 _MOST_CONNECTIONS = 64
+_COSTS = {
+    "ideal": "at once",
+    "lumped": "some seconds",
+    "films": "some seconds more than lumped",
+    "elastic": "a minute or more",
+}
+"""What a run costs by its preset, until the page has measured one."""
 _VIEW_FILES = ("views.js", "views.css")
 """What draws views of a result, as in reports."""
 _TYPES = {
@@ -132,6 +141,19 @@ class Bench:
         if self._schema is None:
             self._schema = self._look("schema")
         return self._schema
+
+    def fidelities(self) -> dict[str, Any]:
+        """Presets, the models of every interface in each, and what a run costs with it."""
+        return {
+            "presets": [
+                {"name": one.name, "content": one.content, "interfaces": dict(one.interfaces)}
+                for one in PRESETS.values()
+            ],
+            "interfaces": dict(INTERFACES),
+            "models": dict(MODELS),
+            "free": [one.name for one in fields(InterfaceChoice)],
+            "costs": _COSTS,
+        }
 
     def new_design(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Keep a new design.
@@ -246,6 +268,11 @@ class Bench:
         """Pictures of one pitch of the last answer of a design."""
         with self._turn:
             return self._solving.call("turning", name, self.workspace.design(name)["tables"])
+
+    def findings(self, name: str) -> Any:
+        """What there is to know of the last answer of a design."""
+        with self._turn:
+            return self._solving.call("findings", name)
 
     def views(self, name: str) -> Any:
         """Views of the last answer of a design."""
@@ -449,6 +476,7 @@ def application(bench: Bench) -> Any:
             Route("/api/files/{name}", upload, methods=["PUT"]),
             route("/api/start", bench.start),
             route("/api/schema", bench.schema),
+            route("/api/fidelities", bench.fidelities),
             route("/api/designs", bench.new_design, "POST"),
             route(one, bench.design),
             route(one, bench.delete, "DELETE"),
@@ -459,6 +487,7 @@ def application(bench: Bench) -> Any:
             route(f"{one}/answer", bench.answer, "POST"),
             route(f"{one}/stop", bench.stop, "POST"),
             route(f"{one}/turning", bench.turning),
+            route(f"{one}/findings", bench.findings),
             route(f"{one}/views", bench.views),
             route(f"{one}/toml", bench.toml),
             route(f"{one}/download/{{ending}}", bench.download),

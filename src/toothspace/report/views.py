@@ -27,11 +27,13 @@ from toothspace.core.types import Array
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.model.description import LumpedJournalBearing, MachineDescription
+from toothspace.model.fluid import temperature_range
 from toothspace.plotting.style import readable
 from toothspace.report.page import TEMPLATES, quantity, render
 from toothspace.results.ledger import loss_causes
 from toothspace.results.ripple import resolved_spectrum, wave
 from toothspace.results.solution import Solution
+from toothspace.run.condition import fluid_keys
 from toothspace.run.heating import journal_node, lateral_node, liquid_of
 from toothspace.studies.study import StudyResult
 
@@ -319,7 +321,11 @@ def _journals(
         case = solution.case
     except ToothspaceError:
         return  # a file of it is gone
-    speed, warm = float(np.mean(data["shaft_speed"])), _temperatures(data)
+    # other films of a run keep the temperature of the fluid
+    speed, warm = float(np.mean(data["shaft_speed"])), {}
+    if case.heat.model == "coupled":
+        hottest = temperature_range(fluid_keys(case).source)[1]
+        warm = {node: min(kelvin, hottest) for node, kelvin in _temperatures(data).items()}
     for journal in description.journals:
         load = np.asarray(data["journal_force"].sel(body=journal.body, axis=["x", "y"]))
         mean = load.mean(axis=0) / journal.count

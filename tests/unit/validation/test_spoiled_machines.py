@@ -50,7 +50,8 @@ SPOILED_MACHINES = {
     "crescent_pump": {"volumetric_efficiency": 0.978},
     "fuel14_pump": {"flow_ripple_percent": 50.0},
     "fuel14_pump_flow": {"volumetric_efficiency": 0.994},
-    "fuel14_pump_vapour": {"min_chamber_pressure_bar": 0.03},
+    "fuel14_aims": {"min_chamber_pressure_bar": 0.03},
+    "gerotor_aims": {"max_chamber_pressure_bar": 320.0},
     "gerotor_trochoidal": {"volumetric_efficiency": 0.80},
     "gerotor_cycloidal": {"volumetric_efficiency": 0.729},
 }

@@ -1,5 +1,6 @@
 // The bench: a design, its drawing, what it answers, and what becomes of it.
 import { ask, by, complain, element } from "./dom.js";
+import { drawCircuit, drawFidelity } from "./circuit.js";
 import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
 import { Machine } from "./machine.js";
@@ -10,7 +11,7 @@ const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
 const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
-const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
+const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = null, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], playing = 0;
 window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [] };
@@ -41,7 +42,7 @@ function take(found) {
   design = found;
   by("title").textContent = design.tables.title ?? ""; document.title = `${design.tables.title ?? "bench"} · toothspace`;
   by("undo").disabled = !design.undo; by("redo").disabled = !design.redo;
-  showVariants(); if (!by("panel-keys").hidden) showKeys(); if (!by("panel-text").hidden) showText();
+  showVariants(); showCircuit(); if (!by("panel-keys").hidden) showKeys(); if (!by("panel-text").hidden) showText();
 }
 async function look(values, drag, fit = false) {
   const began = performance.now(), id = design.id;
@@ -102,6 +103,8 @@ async function solve(full = false) {
   if (found?.superseded) say("");
   if (!found || design?.id !== id || found.superseded || found.version !== design.version) return;
   window.bench.answers.push({ full, ms: performance.now() - began });
+  const fidelity = design.tables.run?.fidelity ?? "lumped";
+  if (full || fidelity !== "lumped") took[fidelity] = (performance.now() - began) / 1000;
   if (!full) ghost = answer?.first ?? answer ?? ghost;
   answer = { ...found, full, first: full ? answer?.first : undefined };
   showAnswer();
@@ -109,7 +112,14 @@ async function solve(full = false) {
   say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
   const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
   if (!full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
+  await fetchFindings();
   fetchTurning();
+}
+// a quick answer comes before what there is to know of it
+async function fetchFindings() {
+  const own = answer, id = design.id;
+  if (own.findings) return;
+  try { const found = await ask(`/api/designs/${id}/findings`); if (answer === own) { Object.assign(own, found); showAnswer(); } } catch { /* another answer is under way */ }
 }
 async function fetchTurning() {
   if (!answer?.turn || !shape?.section.cells.length) return;
@@ -166,8 +176,8 @@ function sentence() {
   const bar = v => `${text(toShown(v, "bar"), 4)} ${unitShown("bar")}`;
   const peak = n.max_chamber_pressure_bar, out = Math.max(n.outlet_pressure_bar ?? 0, n.inlet_pressure_bar ?? 0);
   if (peak === undefined || !out) return answer.sentence;
-  const calm = peak <= 1.5 * out, serious = answer.findings.filter(f => f.severity === "serious").length;
-  return `${calm ? "No pressure peak to worry about" : "Trapped oil peaks high"}: at most ${bar(peak)}, ${text(peak / out, 3)} times the working pressure. Overall efficiency ${text(100 * n.overall_efficiency, 3)} %` + (serious ? `; ${serious} serious finding${serious > 1 ? "s" : ""} below.` : answer.findings.length ? `; ${answer.findings.length} thing${answer.findings.length > 1 ? "s" : ""} to know below.` : ".");
+  const calm = peak <= 1.5 * out, found = answer.findings ?? [], serious = found.filter(f => f.severity === "serious").length;
+  return `${calm ? "No pressure peak to worry about" : "Trapped oil peaks high"}: at most ${bar(peak)}, ${text(peak / out, 3)} times the working pressure. Overall efficiency ${text(100 * n.overall_efficiency, 3)} %` + (serious ? `; ${serious} serious finding${serious > 1 ? "s" : ""} below.` : found.length ? `; ${found.length} thing${found.length > 1 ? "s" : ""} to know below.` : ".");
 }
 function showAnswer() {
   if (!by("panel-variants").hidden) showVariants();
@@ -195,7 +205,7 @@ function showAnswer() {
   } else curves.show([]);
   const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
   by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${text(l.watt, 3)} W` })); }));
-  by("findings").replaceChildren(...answer.findings.map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
+  by("findings").replaceChildren(...(answer.findings ?? []).map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
 }
 let geometryBefore = null;
 function geometry() {
@@ -223,6 +233,15 @@ function showVariants() {
     ...rows.map(key => { const { label, unit } = named(key), percent = key.endsWith("efficiency"), first = states[0][2][key]; return element("tr", { title: key }, element("td", { textContent: `${label}${unit ? `, ${unitShown(unit)}` : percent ? ", %" : ""}` }), ...states.map(([, , n], k) => { const v = n[key]; if (typeof v !== "number") return cell(null); const s = percent ? 100 : 1, shown = toShown(v * s, unit), d = typeof first === "number" ? shown - toShown(first * s, unit) : 0; return cell(text(shown) + (k && Math.abs(d) > 1e-4 * Math.abs(shown) ? ` (${d > 0 ? "+" : "−"}${text(Math.abs(d), 2)})` : "")); })); })));
 }
 async function variant(given, solved = false) { await attempt(async () => { take(await ask(`/api/designs/${design.id}/variant`, given)); if (solved) { await look({}, false); solve(); } }); }
+let fidelities = null;
+const took = {};
+async function showCircuit() {
+  if (by("panel-circuit").hidden || !design) return;
+  const set = (path, value) => change({ values: { [path]: value } });
+  drawCircuit(by("circuit"), design.tables, set);
+  fidelities ??= await attempt(() => ask("/api/fidelities"));
+  if (fidelities) drawFidelity(by("fidelity"), fidelities, design.tables, took, set);
+}
 async function showKeys() { schema ??= await attempt(() => ask("/api/schema")); if (schema) buildForm(by("form"), schema, design.tables, (path, value) => change({ values: { [path]: value } })); }
 async function showText() { const found = await attempt(() => ask(`/api/designs/${design.id}/toml`)); if (found !== null) by("text").value = found; }
 
@@ -301,6 +320,7 @@ function choose(name) {
   for (const [one] of TABS) by(`panel-${one}`).hidden = one !== name;
   for (const tab of by("tabs").children) tab.setAttribute("aria-selected", tab.dataset.name === name);
   if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); }
+  if (name === "circuit") showCircuit();
   if (name === "views") attempt(async () => { await loadRuns(); await showViews(); });
   if (name === "keys") showKeys();
   if (name === "text") showText();
