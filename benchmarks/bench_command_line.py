@@ -16,7 +16,7 @@ def main(repeats: int = 5) -> None:
     """Print the best time of ``toothspace --help`` and of a run, from start to exit.
 
     The first of the runs is not counted: it may compile. Python keeps the bytecode of what it
-    imports, as it does for who installs; without that a run takes twice as long.
+    imports, as it does for who installs; without that a run takes nearly twice as long.
     """
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     print("Command line")
