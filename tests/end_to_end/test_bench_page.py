@@ -170,35 +170,6 @@ def test_the_circuit_is_a_diagram_with_its_values(page: Any) -> None:
     assert efficiency == pytest.approx(1.0, abs=1e-6)
 
 
-@pytest.mark.slow
-def test_a_click_on_a_map_opens_its_point(page: Any) -> None:
-    begin(page, "Quiet a pump")
-    study = {
-        "kind": "efficiency_map",
-        "shaft_speed": ["500 rpm", "1500 rpm"],
-        "pressure_difference": ["50 bar", "200 bar"],
-    }
-    run = page.evaluate(
-        "async ([design, values]) => (await (await fetch('/api/runs', {method: 'POST', body: "
-        "JSON.stringify({design, kind: 'study', values})})).json()).id",
-        [page.evaluate("bench.design.id"), {"run.fidelity": "ideal", "study": study}],
-    )
-    page.click("#tabs >> text=Runs and files")
-    page.wait_for_selector(f"#runs a[href='/api/runs/{run}/result.html']")
-    page.click("#tabs >> text=Views")
-    page.wait_for_selector(f"#views-of option[value='{run}']", state="attached")
-    page.select_option("#views-of", run)
-    canvas = page.locator(".view[data-view=map] canvas")
-    box = canvas.bounding_box()
-    canvas.click(position={"x": 0.85 * box["width"], "y": 60})
-    assert "1500 rpm, 200 bar" in page.inner_text(".view[data-view=map] output")
-    before = page.evaluate("bench.design.id")
-    page.click(".view[data-view=map] button")
-    until(page, f"bench.design && bench.design.id !== '{before}'")
-    assert page.evaluate("bench.design.tables.operating_point.outlet_pressure") == "201 bar"
-    assert page.evaluate("bench.design.tables.study === undefined")
-
-
 def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.click("#tabs >> text=Case file")
