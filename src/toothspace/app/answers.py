@@ -18,6 +18,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.plotting.section import pitch_angle
 from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
+from toothspace.results.variables import CURVES
 from toothspace.run.heating import HeatSearch
 from toothspace.run.run import Run
 from toothspace.run.running_in import Tracks
@@ -26,18 +27,15 @@ from toothspace.solver.cyclic import History
 _BAR, _LITRE_PER_MINUTE = 1e5, 6e4
 _QUICK = "lumped"
 _MOST_POINTS = 361
-_CURVES = (
-    ("outlet_pressure", "Outlet pressure", "bar", 1.0 / _BAR),
-    ("inlet_pressure", "Inlet pressure", "bar", 1.0 / _BAR),
-    ("outlet_flow_rate", "Outlet flow", "L/min", _LITRE_PER_MINUTE),
-    ("inlet_flow_rate", "Inlet flow", "L/min", _LITRE_PER_MINUTE),
-    ("shaft_torque", "Shaft torque", "N m", 1.0),
+_WAVES = (
+    "outlet_pressure",
+    "inlet_pressure",
+    "outlet_flow_rate",
+    "inlet_flow_rate",
+    "shaft_torque",
 )
-_OVER_TIME = (
-    ("shaft_speed", "Shaft speed", "rpm", 30.0 / np.pi),
-    ("pressure_difference", "Pressure difference", "bar", 1.0 / _BAR),
-)
-"""Variables over the shaft angle, and over time: name, label, unit, factor to it."""
+_COURSE = ("shaft_speed", "pressure_difference")
+"""Curves over the shaft angle, and over time."""
 
 
 @final
@@ -164,7 +162,8 @@ def _course(solution: Solution) -> dict[str, Any]:
     time = np.asarray(data["time"])
     own = slice(None, None, max(1, -(-time.size // (2 * _MOST_POINTS))))
     curves = {}
-    for name, label, unit, factor in (*_OVER_TIME, *_CURVES):
+    for name in (*_COURSE, *_WAVES):
+        label, unit, factor = CURVES[name]
         if name in data and data[name].dims == ("time",):
             curves[name] = _curve(label, unit, factor * np.asarray(data[name])[own])
     return {"time": rounded(time[own]), "curves": curves}
@@ -188,7 +187,8 @@ def _turn(solution: Solution, description: MachineDescription) -> dict[str, Any]
         if gas is not None:
             most = np.asarray(gas.sel(chamber=f"{description.families[0].name}_0"))
             curves["gas"] = _curve("Free gas", "%", 100.0 * most[own])
-    for name, label, unit, factor in _CURVES:
+    for name in _WAVES:
+        label, unit, factor = CURVES[name]
         if name in data:
             curves[name] = _curve(label, unit, factor * np.asarray(data[name])[own])
     if "body_force" in data:

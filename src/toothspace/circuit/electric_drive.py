@@ -173,12 +173,12 @@ class ElectricDrive(ElectricMotor, SpeedHistory):
 @final
 @dataclass(frozen=True)
 class LinkedDrive:
-    """A drive on the shaft: as a unit of another program it is told a value and sets another."""
+    """A drive on the shaft: like a unit of another program it receives a value and sets another."""
 
     name: str
     keys: ElectricDrive
     told: tuple[tuple[str, str, str], ...] = (("speed", "speed", ""),)
-    """Name, what it is told, and the node of a pressure."""
+    """Name, the value that it receives, and the node of a pressure."""
     sets: tuple[tuple[str, str, int], ...] = (("torque", "torque", -1),)
     """Name, what it sets, and -1 for the shaft."""
 

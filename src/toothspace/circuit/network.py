@@ -111,7 +111,7 @@ class CircuitNetwork:
     supply_pressure: float = 1e5
     """Absolute pressure of the tank that supply pumps draw from. [Pa]"""
     units: tuple[LinkedUnit | LinkedDrive, ...] = ()
-    """Units of other programs, and a drive, that are told values of the run and set histories."""
+    """Units of other programs, and a drive, that receive values of the run and set histories."""
     tank_ends: tuple[CircuitNode, ...] = ()
     """Ends of elements and orifices at tanks, each a tank that accounts for its own flow."""
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -28,15 +28,15 @@ _CURVED_GAP = 2.5
 """Power of the height that the flow through a gap between curved walls grows with. [-]"""
 
 
-def base_helix_angle(angle: float, pressure_angle: float) -> float:
+def base_helix_angle(angle: Any, pressure_angle: Any) -> Any:
     """Helix angle at the base circle, tan(beta_b) = tan(beta) cos(alpha_t). [rad].
 
     Parameters
     ----------
-    angle, pressure_angle : float
+    angle, pressure_angle : float or ndarray
         Helix angle at the reference circle, and transverse pressure angle. [rad]
     """
-    return math.atan(math.tan(angle) * math.cos(pressure_angle))
+    return np.arctan(np.tan(angle) * np.cos(pressure_angle))
 
 
 @final
@@ -77,7 +77,7 @@ class Helix:
     @property
     def base_angle(self) -> float:
         """Helix angle at the base circle. [rad]."""
-        return base_helix_angle(abs(self.angle), self.pressure_angle)
+        return float(base_helix_angle(abs(self.angle), self.pressure_angle))
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""

@@ -56,6 +56,33 @@ until = "cyclic"
 """First case file round the keys found."""
 
 
+PROPOSED_CONDITION = """[machine.inlet]
+volume = "{port:.3g} cm^3"
+
+[machine.outlet]
+volume = "{port:.3g} cm^3"
+
+[fluid]
+name = "iso_vg_46"               # 'toothspace fluids' lists others
+temperature = "50 degC"
+free_air_fraction = 0.002
+dissolved_air_fraction = 0.08
+
+[operating_point]
+shaft_speed = "{speed:g} rpm"
+inlet_pressure = "1 bar"         # absolute
+outlet_pressure = "{pressure:g} bar"
+"""
+FREE_RIPPLE = """outlet_load = "orifice"          # ripple is free behind the outlet volume
+"""
+PROPOSED_RUN = """
+[run]
+fidelity = "lumped"
+until = "cyclic"
+"""
+"""Ports, fluid and operating point with which a first design ends, and how it is run."""
+
+
 def draft_line(key: str, value: object, note: str = "") -> str:
     """Line of a first case file, with its note in a column of their own."""
     line = f"{key} = {json.dumps(value)}"

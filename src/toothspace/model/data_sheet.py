@@ -7,12 +7,13 @@ A sheet is a TOML file: ``title``, ``density`` at 15 degC, ``viscosity_40`` at 4
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, final
+
+import numpy as np
 
 from toothspace.closures.data_sheet import pressure_viscosity, viscosity_at_100
 from toothspace.core.errors import CaseError
@@ -51,7 +52,20 @@ FAMILIES = {
 
 _SHIFT = 0.7
 _MEAN_PRESSURE = 2e7
-"""Pressure up to which the share of the density in the viscosity is averaged. [Pa]"""
+"""Pressure up to which pumps work, over which the share of the density is averaged. [Pa]"""
+
+
+def share_of_density(bulk_modulus: float, slope: float) -> float:
+    """Coefficient of the dynamic viscosity less that of the kinematic one. [1/Pa].
+
+    Parameters
+    ----------
+    bulk_modulus, slope : float
+        Bulk modulus at zero pressure [Pa], and its rise per pressure [-].
+    """
+    a, p = 1.0 / bulk_modulus, _MEAN_PRESSURE
+    b = 0.5 * a * (slope - 1.0)
+    return float(np.log1p(a * p / (1.0 + b * p)) / p)
 
 
 @final
@@ -105,9 +119,7 @@ class DataSheet(KeyTable):
         if barus is None:
             warm = cold - family.expansion * (40.0 + ZERO_CELSIUS)
             barus = pressure_viscosity(self.viscosity_40 * warm)
-        a = 1.0 / modulus
-        b = 0.5 * a * (family.bulk_modulus_slope - 1.0)
-        of_density = math.log1p(a * _MEAN_PRESSURE / (1.0 + b * _MEAN_PRESSURE)) / _MEAN_PRESSURE
+        of_density = share_of_density(modulus, family.bulk_modulus_slope)
         ends = self.lowest_temperature, self.highest_temperature
         return {
             "title": self.title,

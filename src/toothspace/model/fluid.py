@@ -33,7 +33,7 @@ from toothspace.core.units import (
     to_si,
 )
 from toothspace.library import load_fluid
-from toothspace.model.data_sheet import data_sheet, read_data_sheet
+from toothspace.model.data_sheet import data_sheet, read_data_sheet, share_of_density
 
 REQUIRED = {"temperature": "K", "pressure": "Pa", "density": "kg/m^3", "dynamic_viscosity": "Pa s"}
 """Columns that a table must have, and the unit they are read in."""
@@ -354,8 +354,6 @@ def library_liquid(source: str | Path, temperature: float) -> LiquidState:
     density = float(table["density"]["intercept"] + table["density"]["slope"] * temperature)
     modulus = _linear(table["bulk_modulus"], temperature)
     slope = table["bulk_modulus"]["per_pressure"]
-    a = 1.0 / modulus
-    b = 0.5 * a * (slope - 1.0)
     curve = table["viscosity"]
     shift = curve["walther_shift_cSt"]
     if "points_cSt" in curve:
@@ -369,9 +367,7 @@ def library_liquid(source: str | Path, temperature: float) -> LiquidState:
         constants = (curve["walther_intercept"], curve["walther_slope"])
     kinematic = float(walther_viscosity(temperature, *constants, shift))
     # viscosity at zero pressure and its Barus coefficient
-    # the density's share is the mean over 0 to 200 bar, where pumps work
-    p = 2e7
-    alpha = curve["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
+    alpha = curve["kinematic_pressure_coefficient"] + share_of_density(modulus, slope)
     at_zero = kinematic * density * np.exp(-alpha * curve["reference_pressure"])
     viscosity, barus = float(at_zero), float(alpha)
     vapour = table["vapour"]

@@ -33,6 +33,7 @@ from toothspace.report.page import TEMPLATES, quantity, render
 from toothspace.results.ledger import loss_causes
 from toothspace.results.ripple import resolved_spectrum, wave
 from toothspace.results.solution import Solution
+from toothspace.results.variables import CURVES
 from toothspace.run.condition import fluid_keys
 from toothspace.run.heating import journal_node, lateral_node, liquid_of
 from toothspace.studies.study import StudyResult
@@ -47,16 +48,13 @@ _MOST_ROWS, _MOST_COLUMNS = 90, 18
 """Cells of a film that are shown, round and across."""
 _JOURNAL_GRID = (72, 13)
 _WAVES = (
-    ("outlet_flow_rate", "Outlet flow", "L/min", _LITRE_PER_MINUTE),
-    ("inlet_flow_rate", "Inlet flow", "L/min", _LITRE_PER_MINUTE),
-    ("outlet_pressure", "Outlet pressure", "bar", 1.0 / _BAR),
-    ("inlet_pressure", "Inlet pressure", "bar", 1.0 / _BAR),
-    ("shaft_torque", "Shaft torque", "N m", 1.0),
+    "outlet_flow_rate",
+    "inlet_flow_rate",
+    "outlet_pressure",
+    "inlet_pressure",
+    "shaft_torque",
 )
-_COURSE = (
-    ("shaft_speed", "Shaft speed", "rpm", _RPM),
-    ("pressure_difference", "Pressure difference", "bar", 1.0 / _BAR),
-)
+_COURSE = ("shaft_speed", "pressure_difference")
 _FIELDS = (
     ("film_height", "Film height", "µm", 1e6),
     ("film_pressure", "Pressure", "bar", 1.0 / _BAR),
@@ -149,7 +147,7 @@ def _over_angle(
 ) -> Iterator[dict[str, Any]]:
     data = solution.data
     angle = np.degrees(np.asarray(data["shaft_angle"]))
-    own = slice(None, None, max(1, -(-angle.size // _MOST_POINTS)))
+    own = _thinned(angle.size, _MOST_POINTS)
     turn = {"kind": "curves", "over": "shaft_angle", "unit": "°", "x": _few(angle[own] - angle[0])}
     if description is not None and "chamber_pressure" in data:
         lines = []
@@ -161,7 +159,8 @@ def _over_angle(
         title = "Pressure in one tooth space on its way round"
         yield {"name": "chamber", "title": title, "caption": "", **turn, "lines": lines}
     spectra = []
-    for name, label, unit, factor in _WAVES:
+    for name in _WAVES:
+        label, unit, factor = CURVES[name]
         if name not in data or float(np.ptp(data[name].values)) == 0.0:
             continue
         values = factor * np.asarray(data[name])[own]
@@ -191,10 +190,10 @@ def _over_angle(
 
 def _over_time(data: xr.Dataset) -> Iterator[dict[str, Any]]:
     time = np.asarray(data["time"])
-    own = slice(None, None, max(1, -(-time.size // (2 * _MOST_POINTS))))
+    own = _thinned(time.size, 2 * _MOST_POINTS)
     lines = {
         name: _line(label, unit, factor * np.asarray(data[name])[own])
-        for name, label, unit, factor in (*_COURSE, *_WAVES)
+        for name, (label, unit, factor) in ((name, CURVES[name]) for name in (*_COURSE, *_WAVES))
         if name in data and data[name].dims == ("time",)
     }
     for name, line in lines.items():
@@ -225,7 +224,7 @@ def _orbits(data: xr.Dataset, description: MachineDescription | None) -> Iterato
     if "body_position" not in data or description is None:
         return
     angle = np.degrees(np.asarray(data["shaft_angle"]))
-    own = slice(None, None, max(1, -(-angle.size // _MOST_POINTS)))
+    own = _thinned(angle.size, _MOST_POINTS)
     for journal in description.journals:
         place = _in_bearing(data, journal)
         yield {
@@ -257,8 +256,7 @@ def _lateral(data: xr.Dataset) -> Iterator[dict[str, Any]]:
     if "film_height" not in data or "film_radius" not in data:
         return
     angle, radius = np.asarray(data["film_angle"]), np.asarray(data["film_radius"])
-    rows = slice(None, None, -(-angle.size // _MOST_ROWS))
-    columns = slice(None, None, -(-radius.shape[1] // _MOST_COLUMNS))
+    rows, columns = _thinned(angle.size, _MOST_ROWS), _thinned(radius.shape[1], _MOST_COLUMNS)
     sides: dict[str, list[int]] = {}
     for k, name in enumerate(data["film"].values):
         sides.setdefault(str(name).partition("_")[0], []).append(k)
@@ -431,6 +429,11 @@ def _map(data: xr.Dataset, other: str, case: Any) -> dict[str, Any]:
         "fields": fields,
         "points": points,
     }
+
+
+def _thinned(size: int, most: int) -> slice:
+    """Every so many of values that at most so many are left."""
+    return slice(None, None, max(1, -(-size // most)))
 
 
 def _line(label: str, unit: str, values: Array) -> dict[str, Any]:

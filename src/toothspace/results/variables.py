@@ -6,6 +6,7 @@ table is refused. The page ``docs/reference/results.md`` is generated from it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, final
@@ -195,6 +196,17 @@ STEADY = (
     "contact_span", "axial_force_N", *LATERAL,
 )  # fmt: skip
 """Of a run at an operating point; films add some."""
+CURVES: Mapping[str, tuple[str, str, float]] = {
+    "outlet_pressure": ("Outlet pressure", "bar", 1.0 / 1e5),
+    "inlet_pressure": ("Inlet pressure", "bar", 1.0 / 1e5),
+    "outlet_flow_rate": ("Outlet flow", "L/min", 6e4),
+    "inlet_flow_rate": ("Inlet flow", "L/min", 6e4),
+    "shaft_torque": ("Shaft torque", "N m", 1.0),
+    "shaft_speed": ("Shaft speed", "rpm", 30.0 / math.pi),
+    "pressure_difference": ("Pressure difference", "bar", 1.0 / 1e5),
+}
+"""What pages draw over the angle or time: label, unit, and the factor to it."""
+
 OVER_TIME = (
     "startup_pressure_bar", "max_running_pressure_bar", "startup_pressure_ratio",
     "breakaway_time_s", "breakaway_pressure_bar", "settled_pressure_bar",

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -82,10 +83,16 @@ class HeatSearch:
         self.machine = description
         """The machine with films as warm as the present guess."""
         self._case, self._description = case, description
+        self._supply = fluid_temperature(case)
         self._warning = ""
         self._heat: tuple[HeatNetwork, dict[str, float]] | None = None
         self._cold: tuple[Solution, tuple[HeatNetwork, dict[str, float]]] | None = None
         self._begin_cold()
+
+    @cached_property
+    def _highest(self) -> float:
+        # a table is read for it
+        return temperature_range(fluid_keys(self._case).source)[1]
 
     def _begin_cold(self) -> None:
         self.machine, self._rounds, self._mixing = self._description, 0, Mixing(_REMEMBERED)
@@ -108,8 +115,7 @@ class HeatSearch:
                 break
             ledger = window_ledger(history)
             _, temperature = self._warmth(ledger, drain_of(history, ledger))
-            highest = temperature_range(fluid_keys(self._case).source)[1]
-            if max(temperature.values()) > highest:
+            if max(temperature.values()) > self._highest:
                 break
             change = self._follow(temperature)
         if change >= _AGREED:
@@ -125,11 +131,10 @@ class HeatSearch:
         if case.heat.model != "coupled":
             return True
         temperature = self._heat[1]
-        reached, supply = np.array(list(temperature.values())), fluid_temperature(case)
-        highest = temperature_range(fluid_keys(case).source)[1]
+        reached, highest = np.array(list(temperature.values())), self._highest
         if self._rounds == 0:
             self._cold = found, self._heat
-        tried = self._tried if self._rounds else np.full(reached.size, supply)
+        tried = self._tried if self._rounds else np.full(reached.size, self._supply)
         change = float(np.abs(reached - tried).max())
         if change < _AGREED:
             return True
@@ -155,18 +160,14 @@ class HeatSearch:
             through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
             drain_flow=drain,
         )
-        liquid, supply = liquid_of(case), fluid_temperature(case)
-        network = heat_network(self._description, liquid, supply, flows, heat)
+        network = heat_network(self._description, liquid_of(case), self._supply, flows, heat)
         time = heat.running_time
         return network, network.steady() if time is None else network.after(time)
 
     def _follow(self, temperature: Mapping[str, float]) -> float:
         """Guess the next temperatures from those that a guess led to; returns the change. [K]."""
-        case, supply = self._case, fluid_temperature(self._case)
-        reached, highest = (
-            np.array(list(temperature.values())),
-            temperature_range(fluid_keys(case).source)[1],
-        )
+        case, supply, highest = self._case, self._supply, self._highest
+        reached = np.array(list(temperature.values()))
         if self._rounds == 0:
             self._tried = np.full(reached.size, supply)
         change = float(np.abs(reached - self._tried).max())

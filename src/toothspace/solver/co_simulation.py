@@ -1,4 +1,4 @@
-"""Units beside a march, of other programs or a drive: when they step, what they are told and set.
+"""Units beside a march, of other programs or a drive: when they step, receive values and set them.
 
 At a communication point a unit steps ahead with the values of the run at that point; the run then
 follows what the unit gives along a straight line to the next point. So nothing is solved for both

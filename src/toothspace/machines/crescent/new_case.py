@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from toothspace.advice.gear_rules import TOOL_MODULES
+from toothspace.machines.shared_tables import PROPOSED_CONDITION, PROPOSED_RUN
 
 _VOLUME = 0.081608
 """Displacement of a turn over module^2 and face width, of the teeth below. [cm3/mm3]"""
@@ -79,26 +80,6 @@ side_gap = "{side:.0f} um"    # decides the volumetric efficiency
 [machine.seals]
 shaft_seal_torque = "{seal:.2f} N m"
 
-[machine.inlet]
-volume = "{port:.3g} cm^3"
-
-[machine.outlet]
-volume = "{port:.3g} cm^3"
-
-[fluid]
-name = "iso_vg_46"               # 'toothspace fluids' lists others
-temperature = "50 degC"
-free_air_fraction = 0.002
-dissolved_air_fraction = 0.08
-
-[operating_point]
-shaft_speed = "{speed:g} rpm"
-inlet_pressure = "1 bar"         # absolute
-outlet_pressure = "{pressure:g} bar"
-
-[run]
-fidelity = "lumped"
-until = "cyclic"
 """
 
 
@@ -136,7 +117,7 @@ def new_case(
     module = above[min(step, len(above) - 1)]
     size = module / 5.0
     journal = round(38.0 * size, 1)
-    return _CASE.format(
+    return (_CASE + PROPOSED_CONDITION + PROPOSED_RUN).format(
         volume=volume,
         pressure=pressure,
         speed=speed,

@@ -15,6 +15,7 @@ from toothspace.core.keys import Integer, KeyTable, Number, QuantityKey, Table, 
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import TOOTH_KEYS
+from toothspace.gearing.helix import base_helix_angle
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
 from toothspace.geometry.gear_pair import (
     LARGEST_OVERLAP,
@@ -158,9 +159,10 @@ class GearDesigns(ExternalPair[Array]):
         return np.asarray(self.face_width * np.tan(self.helix_angle) / pitch)
 
     @property
-    def _base_slope(self) -> Array:
-        # cosine of the helix angle at the base circle
-        return 1.0 / np.hypot(1.0, np.tan(self.helix_angle) * np.cos(self.drive.pressure_angle))
+    def _backlash_across_teeth(self) -> Array:
+        # in the normal section
+        base = base_helix_angle(self.helix_angle, self.drive.pressure_angle)
+        return np.asarray(self.normal_backlash * np.cos(base))
 
     def ripple_along_helix(self, flank_sealing: Sealing = "single") -> Array:
         r"""Largest less smallest ideal flow over its mean, over all sections of the width. [-].
@@ -258,7 +260,7 @@ class GearDesigns(ExternalPair[Array]):
             "tip_land_mm": 1e3 * np.minimum(*lands),
             "root_clearance_mm": 1e3 * np.minimum(*self.root_clearances),
             "center_distance_mm": 1e3 * self.center_distance,
-            "normal_backlash_mm": 1e3 * self.normal_backlash * self._base_slope,
+            "normal_backlash_mm": 1e3 * self._backlash_across_teeth,
             "operating_pressure_angle_deg": np.rad2deg(self.operating_pressure_angle),
             "base_diameter_mm": 2e3 * self.drive.base_radius,
             "tip_diameter_mm": 2e3 * self.drive.tip_radius,
@@ -304,7 +306,7 @@ class GearDesigns(ExternalPair[Array]):
 
     def _broken_rules(self) -> IntArray:
         drive, driven, module = self.drive, self.driven, self.drive.module
-        ratio, backlash = self.contact_ratio, self.normal_backlash * self._base_slope
+        ratio, backlash = self.contact_ratio, self._backlash_across_teeth
         margins = self.involute_margins
         deep = (margins[0] < 0.0) & ~drive.undercut | (margins[1] < 0.0) & ~driven.undercut
         lands = np.minimum(drive.tip_land / module, driven.tip_land / driven.module)
@@ -387,8 +389,8 @@ def _evaluated(
     if values.given("gears.center_distance") and "gears.normal_backlash" not in values.varied:
         distance = values["gears.center_distance"]
     else:
-        tangent = np.tan(values.helix_angle) * np.cos(drive.pressure_angle)
-        play = values["gears.normal_backlash"] * np.hypot(1.0, tangent)
+        base = base_helix_angle(values.helix_angle, drive.pressure_angle)
+        play = values["gears.normal_backlash"] / np.cos(base)
         distance = distance_of_backlash(drive, driven, play)
     width = values["gears.face_width"]
     designs = GearDesigns(drive, driven, distance, width, mode == "pump", values.helix_angle)

@@ -10,6 +10,7 @@ from toothspace.advice.gear_rules import (
     TOOL_MODULES,
     least_normal_backlash,
 )
+from toothspace.machines.shared_tables import FREE_RIPPLE, PROPOSED_CONDITION, PROPOSED_RUN
 
 _VOLUME = 85.8
 """Displacement of a turn over module^2 and face width, of the teeth below. [-]"""
@@ -87,27 +88,6 @@ seal_preload = "100 N"
 [machine.seals]
 shaft_seal_torque = "{seal:.2f} N m"
 
-[machine.inlet]
-volume = "{port:.3g} cm^3"
-
-[machine.outlet]
-volume = "{port:.3g} cm^3"
-
-[fluid]
-name = "iso_vg_46"               # 'toothspace fluids' lists others
-temperature = "50 degC"
-free_air_fraction = 0.002
-dissolved_air_fraction = 0.08
-
-[operating_point]
-shaft_speed = "{speed:g} rpm"
-inlet_pressure = "1 bar"         # absolute
-outlet_pressure = "{pressure:g} bar"
-outlet_load = "orifice"          # ripple is free behind the outlet volume
-
-[run]
-fidelity = "lumped"
-until = "cyclic"
 """
 
 
@@ -158,7 +138,7 @@ def new_case(
     harder = min(max(squeezed, 1.0), 30.0)
     groove = (1.2 - 0.04 * math.log2(harder)) * module
     load = RADIAL_LOAD_COEFFICIENT * 0.1 * run_in * width * _TIP * module / (2.0 * journal * length)
-    return _CASE.format(
+    return (_CASE + PROPOSED_CONDITION + FREE_RIPPLE + PROPOSED_RUN).format(
         volume=volume,
         pressure=pressure,
         speed=speed,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from toothspace.machines.shared_tables import FREE_RIPPLE, PROPOSED_CONDITION, PROPOSED_RUN
+
 _VOLUME = 6.16
 """Displacement of a turn of the rotors below at a size of one. [cm3]"""
 _SLIMMER = 0.06
@@ -43,27 +45,6 @@ outer_radius = "{outside:.2f} mm"
 [machine.lateral]
 side_gap = "{side:.0f} um"    # on each side: most of the leakage
 
-[machine.inlet]
-volume = "{port:.3g} cm^3"
-
-[machine.outlet]
-volume = "{port:.3g} cm^3"
-
-[fluid]
-name = "iso_vg_46"               # 'toothspace fluids' lists others
-temperature = "50 degC"
-free_air_fraction = 0.002
-dissolved_air_fraction = 0.08
-
-[operating_point]
-shaft_speed = "{speed:g} rpm"
-inlet_pressure = "1 bar"         # absolute
-outlet_pressure = "{pressure:g} bar"
-outlet_load = "orifice"          # ripple is free behind the outlet volume
-
-[run]
-fidelity = "lumped"
-until = "cyclic"
 """
 
 
@@ -96,7 +77,7 @@ def new_case(
     the cube root of the displacement, clearances their square root.
     """
     size = (volume / _VOLUME) ** (1.0 / 3.0) * (1.0 + _SLIMMER * step)
-    return _CASE.format(
+    return (_CASE + PROPOSED_CONDITION + FREE_RIPPLE + PROPOSED_RUN).format(
         volume=volume,
         pressure=pressure,
         speed=speed,
