@@ -169,7 +169,7 @@ class _TriedPoints:
 
     def __init__(self, case: Case, study: OptimiseStudy, context: StudyContext) -> None:
         self.case, self.study, self.context = case, study, context
-        self.axes = axes_of(study.vary, case.label)
+        self.axes = axes_of(study.vary, case.label, case)
         self.rows: list[tuple[Any, ...]] = []
         self.records: list[Record] = []
 

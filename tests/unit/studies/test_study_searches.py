@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import norm
 
 from tests.study_cases import REPOSITORY, Answer, answer, case_with_study
 from toothspace import api
@@ -77,6 +78,43 @@ def test_tolerance_gives_scatter_sensitivity_and_share(calls: list[Case], tmp_pa
         p.name for p in tmp_path.iterdir()
     }
     assert study_report_html(result).count("<figure") == 2
+
+
+def test_tolerances_that_give_a_scrap_rate(calls: list[Case], tmp_path: Path) -> None:
+    """Efficiency 1 - 1e-4 c^2 above 0.8689: clearances above 36.207 um are scrap, 35 is meant.
+
+    A tolerance of 6 um is three deviations of 2 um, cut there: the closed form is that of the cut
+    normal distribution.
+    """
+    pytest.importorskip("sklearn")
+    cut, whole = norm.cdf(-3.0), norm.cdf(3.0) - norm.cdf(-3.0)
+    edge = (math.sqrt(1311.0) - 35.0) / 2.0
+    study = f"""
+kind = "tolerance"
+sample_count = 64
+scrap_rate = 0.05
+limits = {{volumetric_efficiency = {{low = 0.8689}}, mean_torque_N_m = {{low = 0.0}}}}
+[study.vary]
+"{CLEARANCE}" = {{tolerance = "6 um"}}
+"fluid.temperature" = {{tolerance = "10 degC"}}
+"""
+    result = run_study(case_with_study(study), tmp_path)
+    numbers = result.numbers
+    expected = (norm.cdf(-edge) - cut) / whole
+    assert numbers["scrap_rate"] == pytest.approx(expected, abs=0.01)
+    assert numbers["scrap_rate_low"] < expected < numbers["scrap_rate_high"]
+    assert numbers["scrap_by_limit"] == {
+        "volumetric_efficiency": numbers["scrap_rate"],
+        "mean_torque_N_m": 0.0,
+    }
+    assert numbers["scrap_rate_of_surrogate"] == pytest.approx(expected, abs=0.005)
+    factor = edge / -norm.ppf(cut + 0.05 * whole)
+    assert numbers["tolerance_factor"] == pytest.approx(factor, rel=0.02)
+    assert numbers["hold_out_error"]["volumetric_efficiency"] < 1e-4
+    line = (tmp_path / "tolerances.csv").read_text().splitlines()[1].split(",")
+    assert [float(x) for x in line[2:]] == pytest.approx([35.0, 6.0, 6.0 * factor], rel=0.02)
+    with pytest.raises(CaseError, match="limits: found nothing"):
+        case_with_study(study.replace("limits", "# limits"))
 
 
 def test_tolerance_with_indices(calls: list[Case]) -> None:
