@@ -168,6 +168,25 @@ def test_evolution_finds_the_constrained_best(calls: list[Case], tmp_path: Path)
     assert study_report_html(result).count("<figure") == 1
 
 
+def test_a_robust_search_keeps_away_from_the_edge(calls: list[Case]) -> None:
+    """Of clearances with 3 um of tolerance, 9 in 10 keep the limit of 20 um.
+
+    The 90 % quantile of a normal distribution cut at three deviations of 1 um is 1.28 um.
+    """
+    text = 'objective = "mean_flow_L_per_min"\nevaluation_count = 40\nquantile = 0.9\n'
+    text += "constraints = {volumetric_efficiency = {low = 0.96}}\nscatter_count = 11\n"
+    text += f'scatter = {{"{CLEARANCE}" = {{tolerance = "3 um"}}}}'
+    study = "\n".join(line for line in optimise(text).splitlines() if SPEED not in line)
+    result = run_study(case_with_study(study))
+    best = float(result.numbers["best"][CLEARANCE].removesuffix(" um"))
+    assert best == pytest.approx(20.0 - 1.28, abs=0.6)
+    # every machine of a point is a run; a point that comes again is none
+    values = len(np.unique(result.data[CLEARANCE]))
+    assert len(calls) == 11 * values > 11 * 30
+    with pytest.raises(CaseError, match=r"scatter\..*allowed \{tolerance = \.\.\.\}"):
+        case_with_study(optimise(text.replace("tolerance =", "deviation =")))
+
+
 def test_a_search_replays_its_finished_points(calls: list[Case], tmp_path: Path) -> None:
     text = 'objective = "volumetric_efficiency"\nevaluation_count = 40'
     first = run_study(case_with_study(optimise(text)), tmp_path)
