@@ -37,6 +37,7 @@ def geometry_summary(
     angle = None if pair is None else float(np.rad2deg(pair.operating_pressure_angle))
     return {
         "displacement_cm3_per_rev": displacement(assembly) * 2.0 * np.pi * 1e6,
+        "face_width_mm": assembly.face_width * 1e3,
         "contact_ratio": contact_ratio(assembly),
         "center_distance_mm": -assembly.mesh.center_distance * 1e3,
         "operating_pressure_angle_deg": angle,

@@ -96,6 +96,7 @@ def geometry_summary(
     return {
         **tooth_data(assembly),
         "displacement_cm3_per_rev": displacement(assembly) * 2e6 * np.pi,
+        "face_width_mm": assembly.face_width * 1e3,
         "contact_ratio": contact_ratio(assembly),
         "tip_land_mm": min(assembly.tip_lands) * 1e3,
         "undercut": undercut,
