@@ -67,8 +67,8 @@ def third_octave_sums(frequency: Array, power: Array) -> Array:
 
     Returns
     -------
-    ndarray, shape (..., bands)
-        Power in each of the bands :data:`BAND_NUMBERS`. [W]
+    ndarray
+        Power in each of the bands :data:`BAND_NUMBERS`, the last axis. [W]
 
     Notes
     -----
@@ -154,7 +154,7 @@ def sphere_radiation_efficiency(degree: int, wave_number: Any, radius: float) ->
     ----------
     degree : int
         Degree of the polynomial: 0 pulsates (monopole), 1 moves to and fro as a rigid body
-        (dipole), 2 stretches without change of volume (quadrupole).
+        (dipole), 2 stretches without change of volume (quadrupole). [-]
     wave_number : float or ndarray
         Wave number of sound in air, above zero. [1/m]
     radius : float
