@@ -12,6 +12,7 @@ left out:
 ``ratio/``          study ``startup_ratio``
 ``span/``           study ``contact_span``
 ``wear/``           study ``wear_egm12_pump``
+``noise/``          study ``noise_comparison``
 =================== ======================================================================
 """
 
@@ -55,6 +56,7 @@ STUDIES = {
     "ratio": ("startup", "startup_ratio", "startup_ratio"),
     "span": ("contact_span", "contact_span", "contact_span"),
     "wear": ("wear", "wear", "wear"),
+    "noise": ("noise", "noise", "noise"),
 }
 
 

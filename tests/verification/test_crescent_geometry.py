@@ -20,7 +20,7 @@ from toothspace.gearing.mesh_split import (
     Placement,
     closest_points,
     distance,
-    nearest_knots,
+    starting_places,
 )
 from toothspace.gearing.meshing import (
     FULL_TURN,
@@ -216,6 +216,8 @@ def test_ends_of_a_wide_throat_are_the_closest_points() -> None:
         first = Placement(0.5 * np.pi + angle + mesh.half_pitch, 0.0)
         second = Placement(-0.5 * np.pi - mesh.ratio * angle + mesh.turn, mesh.center_distance)
         near = closest_points(pinion.right, first, ring.right, second)
-        knots = Closest(*nearest_knots(pinion.right, first, ring.right, second), FREE)
+        starts, count = starting_places(pinion.right, first, ring.right, second)
         found = distance(pinion.right, first, ring.right, second, near)
-        assert found <= distance(pinion.right, first, ring.right, second, knots)
+        for start in starts[:count]:
+            begun = Closest(start[0], start[1], FREE)
+            assert found <= distance(pinion.right, first, ring.right, second, begun)

@@ -24,6 +24,7 @@ def _network(tolerance):
     return Run(NETWORK, np.r_[np.linspace(1, 3, CELLS), 0.0, 0.0], tolerance, tolerance, 2)
 
 
+@pytest.mark.slow
 def test_samples_between_steps_are_as_accurate_as_the_steps():
     run = _oscillator(1e-8)
     times = np.linspace(0.0, 10.0, 400)

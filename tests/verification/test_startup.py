@@ -90,6 +90,7 @@ def wide_values(*overrides: str) -> set[str]:
     return {str(name) for name in sampled if data[name].ndim > 1}
 
 
+@pytest.mark.slow
 def test_a_run_keeps_the_chosen_channels_only() -> None:
     """Values with one number in each row always stay; of the others only the chosen."""
     ends = ("_lowest", "_highest")

@@ -111,6 +111,7 @@ def lowest(place: Array, value: Array) -> float:
     return float(-0.5 * b / a)
 
 
+@pytest.mark.slow
 def test_leakage_is_that_of_the_tips_in_series(swept: Array) -> None:
     """Within 0.06 % of the flow of 7.4 L/min: a thirtieth of the compression is left."""
     _, _, run, series = swept
@@ -119,6 +120,7 @@ def test_leakage_is_that_of_the_tips_in_series(swept: Array) -> None:
     assert series.min() < 0.0
 
 
+@pytest.mark.slow
 def test_the_best_gap_is_that_of_the_closed_form(swept: Array) -> None:
     """One tip with all the pressure is best at sqrt(2 mu L u / dp), some that share it at more."""
     _, gap, run, series = swept

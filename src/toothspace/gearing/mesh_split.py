@@ -38,6 +38,7 @@ _TOLERANCE = 1e-13
 _OVERLAP = 2e-5
 """Largest overlap of flanks, which have a common normal longer than the way to a crossing. [m]"""
 _ROUNDING = 1.0 + 1e-9
+_STARTS, _PARTS = 3, 4
 
 
 class Placement(NamedTuple):
@@ -72,43 +73,6 @@ def placed_tangent(flank: Flank, at: Placement, place: float) -> tuple[float, fl
 
 
 @inlined
-def nearest_knots(
-    first: Flank, at_first: Placement, second: Flank, at_second: Placement
-) -> tuple[float, float]:
-    """Places of the knots where the flanks come closest: a knot to the tangent at another one. [m].
-
-    Between knots alone the distance would prefer where they are dense.
-    """
-    n, m = first.knots.size, second.knots.size
-    # the second flank is seen from the first flank's tooth frame
-    turn = at_second.angle - at_first.angle
-    c, s = np.cos(turn), np.sin(turn)
-    rise = at_second.center - at_first.center
-    shift_x, shift_y = np.sin(at_first.angle) * rise, np.cos(at_first.angle) * rise
-    best, best_i, best_j = 1e300, 0, 0
-    xs, ys = np.empty(n), np.empty(n)
-    for i in range(n):
-        xs[i], ys[i] = flank_point(first, first.knots[i])
-    for j in range(m):
-        u, v = flank_point(second, second.knots[j])
-        x, y = c * u - s * v + shift_x, s * u + c * v + shift_y
-        least, near = 1e300, 0
-        for i in range(n):
-            d = (x - xs[i]) ** 2 + (y - ys[i]) ** 2
-            if d < least:
-                least, near = d, i
-        dx, dy, _, _ = flank_tangent(first, first.knots[near])
-        ahead = (x - xs[near]) * dx + (y - ys[near]) * dy
-        after = first.knots[min(near + 1, n - 1)] - first.knots[near]
-        before = first.knots[near] - first.knots[max(near - 1, 0)]
-        along = min(max(ahead, -0.5 * before), 0.5 * after)
-        d = (x - xs[near] - along * dx) ** 2 + (y - ys[near] - along * dy) ** 2
-        if d < best:
-            best, best_i, best_j = d, near, j
-    return first.knots[best_i], second.knots[best_j]
-
-
-@inlined
 def project(flank: Flank, at: Placement, x: float, y: float, guess: float) -> float:
     """Place of the point of a flank closest to a given point, near a guess. [m]."""
     length = flank_length(flank)
@@ -139,6 +103,71 @@ def nearest_knot(flank: Flank, at: Placement, x: float, y: float) -> float:
         if d < best:
             best, place = d, flank.knots[k]
     return place
+
+
+@inlined
+def starting_places(
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement
+) -> tuple[Array, int]:
+    """Places where the flanks come closest, and how many there are. Shape (starts, 2). [m].
+
+    Facets and waves come close at several places. From one knot of the second flank to the next
+    the distance changes by the way at most, so one looks between them only where it can fall
+    below the least that was found.
+    """
+    n, m = first.knots.size, second.knots.size
+    xs, ys = np.empty(n), np.empty(n)
+    for i in range(n):
+        xs[i], ys[i] = placed_point(first, at_first, first.knots[i])
+    apart, near = np.empty(m), np.empty(m, dtype=np.int64)
+    for j in range(m):
+        x, y = placed_point(second, at_second, second.knots[j])
+        apart[j] = 1e300
+        for i in range(n):
+            d = (x - xs[i]) ** 2 + (y - ys[i]) ** 2
+            if d < apart[j]:
+                apart[j], near[j] = d, i
+        # a knot is held against the tangent at another one: between knots alone the distance
+        # would prefer where they are dense
+        i = near[j]
+        dx, dy, _, _ = placed_tangent(first, at_first, first.knots[i])
+        ahead = (x - xs[i]) * dx + (y - ys[i]) * dy
+        after = first.knots[min(i + 1, n - 1)] - first.knots[i]
+        before = first.knots[i] - first.knots[max(i - 1, 0)]
+        along = min(max(ahead, -0.5 * before), 0.5 * after)
+        apart[j] = np.sqrt((x - xs[i] - along * dx) ** 2 + (y - ys[i] - along * dy) ** 2)
+    least = np.min(apart)
+    parts = _PARTS
+    reach = np.full(parts * (m - 1) + 3, 1e300)
+    place, across = np.empty(reach.size), np.empty(reach.size)
+    for j in range(m - 1):
+        step = second.knots[j + 1] - second.knots[j]
+        if 0.5 * (apart[j] + apart[j + 1] - step) > least:
+            continue
+        for k in range(parts + 1):
+            row = parts * j + k + 1
+            if reach[row] < 1e300:
+                continue
+            across[row] = second.knots[j] + step * k / parts
+            x, y = placed_point(second, at_second, across[row])
+            i = near[j] if 2 * k <= parts else near[j + 1]
+            place[row] = project(first, at_first, x, y, first.knots[i])
+            px, py = placed_point(first, at_first, place[row])
+            reach[row] = np.sqrt((x - px) ** 2 + (y - py) ** 2)
+    starts = np.empty((_STARTS, 2))
+    count = 0
+    while count < _STARTS:
+        best, chosen = 1e300, -1
+        for row in range(1, reach.size - 1):
+            lowest = reach[row] <= reach[row - 1] and reach[row] < reach[row + 1]
+            if lowest and place[row] >= 0.0 and reach[row] < best:
+                best, chosen = reach[row], row
+        if chosen < 0:
+            break
+        starts[count, 0], starts[count, 1] = place[chosen], across[chosen]
+        place[chosen] = -1.0
+        count += 1
+    return starts, count
 
 
 @inlined
@@ -213,12 +242,16 @@ def alternated(
 
 
 @inlined
-def closest_points(
-    first: Flank, at_first: Placement, second: Flank, at_second: Placement
+def _outward(flank: Flank, at: Placement, place: float) -> tuple[float, float]:
+    dx, dy, _, _ = placed_tangent(flank, at, place)
+    speed = np.sqrt(dx * dx + dy * dy)
+    return -flank.side * dy / speed, flank.side * dx / speed
+
+
+@inlined
+def _closest_from(
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement, start: Closest
 ) -> Closest:
-    """Closest points of two flanks: on a common normal, or with one at its tip corner."""
-    s0, t0 = nearest_knots(first, at_first, second, at_second)
-    start = Closest(s0, t0, FREE)
     reach = distance(first, at_first, second, at_second, start)
     for rounds in (4, 40, 300):
         start = alternated(first, at_first, second, at_second, start, rounds)
@@ -231,6 +264,39 @@ def closest_points(
         if start.mode != FREE:
             break
     return start
+
+
+@inlined
+def _signed_distance(
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement, pair: Closest
+) -> float:
+    # negative where the flanks overlap; points on the far sides of two teeth are no overlap
+    px, py = placed_point(first, at_first, pair.first)
+    qx, qy = placed_point(second, at_second, pair.second)
+    if pair.mode == FIRST_AT_CORNER:
+        mx, my = _outward(second, at_second, pair.second)
+        along = -(qx - px) * mx - (qy - py) * my
+    else:
+        nx, ny = _outward(first, at_first, pair.first)
+        along = (qx - px) * nx + (qy - py) * ny
+    reach = np.sqrt((qx - px) ** 2 + (qy - py) ** 2)
+    return -reach if along < 0.0 and reach <= _OVERLAP else reach
+
+
+@inlined
+def closest_points(
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement
+) -> Closest:
+    """Closest points of two flanks: on a common normal, or with one at its tip corner."""
+    places, count = starting_places(first, at_first, second, at_second)
+    best, least = Closest(0.0, 0.0, FREE), 1e300
+    for k in range(count):
+        start = Closest(places[k, 0], places[k, 1], FREE)
+        pair = _closest_from(first, at_first, second, at_second, start)
+        apart = _signed_distance(first, at_first, second, at_second, pair)
+        if apart < least:
+            best, least = pair, apart
+    return best
 
 
 @inlined
@@ -470,13 +536,6 @@ def _swept(flank: Flank, inward: float, turned: float) -> float:
     if inward >= 0.0:
         return flank_swept_area(flank, flank_length(flank) - inward)
     return flank.area[-1] + 0.5 * flank.tip_radius**2 * turned
-
-
-@inlined
-def _outward(flank: Flank, at: Placement, place: float) -> tuple[float, float]:
-    dx, dy, _, _ = placed_tangent(flank, at, place)
-    speed = np.sqrt(dx * dx + dy * dy)
-    return -flank.side * dy / speed, flank.side * dx / speed
 
 
 @inlined

@@ -127,15 +127,17 @@ def outlet_members(
                 geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle[:, None])
                 open_gap = (geometry[..., 0] > _JOINING_GAP) & (geometry[..., 1] > 0.0)
                 partner = path.partners(shaft_angle)
-                for row, column in zip(*np.nonzero(open_gap), strict=True):
-                    a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
-                    group[row][group[row] == max(a, b)] = min(a, b)
+                for column in np.flatnonzero(open_gap.any(axis=0)):
+                    rows = np.flatnonzero(open_gap[:, column])
+                    a, b = group[rows, path.nodes_a[column]], group[rows, partner[rows, column]]
+                    first, second = np.minimum(a, b)[:, None], np.maximum(a, b)[:, None]
+                    group[rows] = np.where(group[rows] == second, first, group[rows])
     total = np.zeros_like(preference)
     shrinking = np.zeros_like(preference)
-    rows = np.arange(shaft_angle.size)[:, None]
-    np.add.at(total, (rows, group), preference)
-    np.add.at(shrinking, (rows, group), -rate)
-    total, shrinking = total[rows, group], shrinking[rows, group]
+    every = np.arange(shaft_angle.size)[:, None]
+    np.add.at(total, (every, group), preference)
+    np.add.at(shrinking, (every, group), -rate)
+    total, shrinking = total[every, group], shrinking[every, group]
     return np.where(np.abs(total) > 1e-15, total, shrinking) > 0.0
 
 

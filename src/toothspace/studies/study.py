@@ -43,6 +43,7 @@ DONE = "done"
 BAD_INPUT = "bad_input"
 FAILED = "failed"
 INTERRUPTED = "interrupted"
+NOT_RUN = "not_run"
 
 FILE_NAME = "points.jsonl"
 """Name of the file in the folder of a study: one finished point per line."""

@@ -44,6 +44,7 @@ def pump(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_drawn_pump_tells_its_pressures_once_in_every_channel(
     pump: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

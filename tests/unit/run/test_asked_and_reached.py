@@ -45,6 +45,7 @@ def test_a_miss_is_no_done_run_and_a_failure_stays_one() -> None:
     assert cut.status is Status.MAX_STEPS
 
 
+@pytest.mark.slow
 def test_warm_films_beyond_the_fluid_are_not_reached_and_flushing_helps() -> None:
     hot = {
         "machine__journal_bearings__radial_clearance": "1 um",
@@ -58,6 +59,7 @@ def test_warm_films_beyond_the_fluid_are_not_reached_and_flushing_helps() -> Non
     assert api.simulate(PUMP, heat__bearing_flushing="20 L/min", **hot).status is Status.DONE
 
 
+@pytest.mark.slow
 def test_temperatures_that_do_not_settle_are_not_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(heating, "_ROUNDS", 1)
     monkeypatch.setattr(heating, "_AGREED", 1e-9)
