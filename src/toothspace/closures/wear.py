@@ -72,7 +72,12 @@ def worn_time(time: float, break_in_factor: float, break_in_time: float) -> floa
     .. math:: \int_0^t 1 + (B - 1)\,\mathrm{e}^{-t/\tau}\,\mathrm{d}t
         = t + (B - 1)\,\tau\,(1 - \mathrm{e}^{-t/\tau})
 
-    Validity: an assumption of ours; the form of the decay is not measured.
+    Validity: the form of the decay is an assumption of ours, not measured.
+
+    References
+    ----------
+    .. [1] J. F. Archard, Contact and rubbing of flat surfaces, J. Appl. Phys. 24 (1953) 981-988,
+       for the steady rate.
 
     Examples
     --------
@@ -118,7 +123,12 @@ def cutting_time(
     .. math:: p = \frac{2 K}{\pi R b} x \cos\theta, \qquad
         \tau = \frac{\pi R b}{2\, k\, K v}
 
-    Validity: tips that pass much more often than once in that time.
+    Validity: tips that pass much more often than once in that time; bearings as stiff springs.
+
+    References
+    ----------
+    .. [1] J. F. Archard, Contact and rubbing of flat surfaces, J. Appl. Phys. 24 (1953) 981-988,
+       for the rate of depth.
 
     Examples
     --------

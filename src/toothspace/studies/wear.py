@@ -336,7 +336,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     conditions = _conditions(case, study)
     shares = [one.share for one in study.duty] or [1.0]
     times = [0.0, *study.hours]
-    wear, found = Wear(), list[_Step]()
+    wear, found = Wear(), list[WornState]()
     rates: tuple[float, float] | None = None
     before = 0.0
     for k, time in enumerate(times):
@@ -354,7 +354,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             # tips cut much faster than bushes wear: the track of these hours is that of now
             wear = replace(wear, tracks=_sum(wear.tracks, deeper))
             records = _records(case, conditions, keys, wear, here)
-        found.append(_Step(time / _HOUR, wear, records))
+        found.append(WornState(time / _HOUR, wear, records))
         if status_of(records) is not Status.DONE or k == len(times) - 1:
             break
         now, ahead = _rates(study, records, shares), study.worn_time(times[k + 1])
@@ -370,7 +370,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
 @final
 @dataclass(frozen=True)
-class _Step:
+class WornState:
     """The machine at one time."""
 
     hours: float
@@ -484,7 +484,7 @@ def _result(
     case: Case,
     study: WearStudy,
     keys: Mapping[str, Mapping[str, float]],
-    found: Sequence[_Step],
+    found: Sequence[WornState],
     wanted: int,
 ) -> StudyResult:
     records = [record for step in found for record in step.records]
@@ -549,7 +549,7 @@ _SHOWN = (
 
 
 def _worn_numbers(
-    case: Case, keys: Mapping[str, Mapping[str, float]], found: Sequence[_Step]
+    case: Case, keys: Mapping[str, Mapping[str, float]], found: Sequence[WornState]
 ) -> dict[str, list[float]]:
     """Depths and clearances over the hours."""
     numbers: dict[str, list[float]] = {}
