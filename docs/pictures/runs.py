@@ -11,6 +11,7 @@ left out:
 ``map/``            study ``efficiency_map_egm12``
 ``ratio/``          study ``startup_ratio``
 ``span/``           study ``contact_span``
+``noise/``          study ``noise_comparison``
 =================== ======================================================================
 """
 
@@ -53,6 +54,7 @@ STUDIES = {
     "map": ("efficiency_map", "efficiency_map", "efficiency_map"),
     "ratio": ("startup", "startup_ratio", "startup_ratio"),
     "span": ("contact_span", "contact_span", "contact_span"),
+    "noise": ("noise", "noise", "noise"),
 }
 
 

@@ -14,9 +14,12 @@ from typing import Any, final
 
 import numpy as np
 
+from toothspace.core.keys import choice, forbid, quantity
 from toothspace.core.types import Array
+from toothspace.gearing.gear_tables import MeshingGearParameters
 from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.space_paths import FACES
+from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
@@ -26,6 +29,10 @@ _SLICES_PER_PITCH = 8
 """Slices of a contact line on one pitch of overlap: the load moves in steps of an eighth of it."""
 _CURVED_GAP = 2.5
 """Power of the height that the flow through a gap between curved walls grows with. [-]"""
+
+
+GENERATED = "with a helix_angle (teeth are then generated, all alike)"
+"""Reason why files of teeth are refused."""
 
 
 def base_helix_angle(angle: Any, pressure_angle: Any) -> Any:
@@ -78,6 +85,15 @@ class Helix:
     def base_angle(self) -> float:
         """Helix angle at the base circle. [rad]."""
         return float(base_helix_angle(abs(self.angle), self.pressure_angle))
+
+    def numbers(self, contact_ratio: float) -> dict[str, object]:
+        """Numbers of the geometry report, from the contact ratio of the transverse section [-]."""
+        return {
+            "helix_angle_deg": float(np.rad2deg(self.angle)),
+            "face_twist_deg": float(np.rad2deg(self.twist)),
+            "overlap_ratio": self.overlap_ratio,
+            "total_contact_ratio": contact_ratio + self.overlap_ratio,
+        }
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""
@@ -229,3 +245,93 @@ class Helix:
         """Values at the nodes of a table in sections. Shape (sections, nodes, channels)."""
         nodes = table.period * np.arange(table.values.shape[0]) / table.values.shape[0]
         return table(nodes[None, :] + leads[:, None])
+
+
+@dataclass(frozen=True, kw_only=True)
+class HelicalGearParameters(MeshingGearParameters):
+    """Keys of meshing gears whose teeth may wind about their axes."""
+
+    helix_angle: float = quantity(
+        "deg",
+        "Helix angle at the reference circle, 0 for spur gears; module, pressure angle, shifts, "
+        "dedendum, tool tip and backlash are then those of the normal section.",
+        low=0,
+        high=45,
+        default=0.0,
+    )
+    helix_hand: str | None = choice(
+        "Hand of the drive gear's teeth, default right; a gear beside it has the other one, a ring "
+        "gear round it the same.",
+        "right",
+        "left",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        if self.helix_angle > 0.0:
+            forbid(self, GENERATED, "profile")
+        else:
+            forbid(self, "with spur gears", "helix_hand")
+        super().__post_init__()
+
+    @property
+    def slope(self) -> float:
+        """Cosine of the helix angle. [-]."""
+        return math.cos(self.helix_angle)
+
+    @property
+    def transverse_pressure_angle(self) -> float:
+        """Pressure angle in the section across the axis; 0 of a profile from a file. [rad]."""
+        return math.atan(math.tan(self.pressure_angle or 0.0) / self.slope)
+
+    @property
+    def transverse_backlash(self) -> float:
+        """Play of the flanks along the line of action of the transverse section. [m]."""
+        base = base_helix_angle(self.helix_angle, self.transverse_pressure_angle)
+        return (self.normal_backlash or 0.0) / math.cos(base)
+
+    def involute_gear(self, table: str) -> InvoluteGear:
+        r"""Return the generated gear in the transverse section.
+
+        Raises GeometryError if the tooth is impossible, with the key in the given table.
+
+        Notes
+        -----
+        .. math:: m_t = \frac{m_n}{\cos\beta}, \quad
+            \tan\alpha_t = \frac{\tan\alpha_n}{\cos\beta}, \quad x_t = x_n \cos\beta
+
+        Lengths in modules change alike, so that they stay the same in mm.
+
+        References
+        ----------
+        .. [1] ISO 21771:2007, Gears: cylindrical involute gears and gear pairs, section 4.
+        """
+        if self.helix_angle == 0.0:
+            return super().involute_gear(table)
+        assert self.module is not None
+        radius = self.tool_tip_radius
+        return replace(
+            self,
+            helix_angle=0.0,
+            helix_hand=None,
+            module=self.module / self.slope,
+            pressure_angle=self.transverse_pressure_angle,
+            profile_shift=self.profile_shift * self.slope,
+            dedendum=self.dedendum * self.slope,
+            tool_tip_radius=None if radius is None else radius * self.slope,
+        ).involute_gear(table)
+
+    def helix(self, face_width: float, *, flanks_in_turn: bool = False) -> Helix | None:
+        """How the teeth wind about the axes over a width [m]; None for spur gears."""
+        if self.helix_angle == 0.0:
+            return None
+        assert self.tooth_count is not None
+        assert self.module is not None
+        return Helix(
+            angle=-self.helix_angle if self.helix_hand == "left" else self.helix_angle,
+            tooth_count=self.tooth_count,
+            reference_radius=0.5 * self.tooth_count * self.module / self.slope,
+            pressure_angle=self.transverse_pressure_angle,
+            face_width=face_width,
+            flanks_in_turn=flanks_in_turn,
+        )

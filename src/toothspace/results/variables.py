@@ -223,7 +223,7 @@ UNITS: Mapping[str, str] = {
     "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
     "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
     "mm2": "mm2", "s": "s", "MPa": "MPa", "K": "K", "mrad": "mrad", "W_per_mm2": "W/mm2",
-    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J",
+    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J", "dBA": "dB(A)", "dB": "dB",
 }  # fmt: skip
 """Units by the suffix of a name."""
 

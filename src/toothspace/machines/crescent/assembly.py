@@ -20,6 +20,7 @@ from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.helix import Helix
 from toothspace.gearing.materials import Material, library_material
 from toothspace.gearing.meshing import MeshedGears, in_contact, mesh_at_distance
 from toothspace.gearing.ring_gear import (
@@ -62,6 +63,11 @@ class CrescentAssembly(MeshedGears):
     """Relief grooves of the covers, None without."""
     pair: InternalPair | None
     """Involute pair where both gears are given by parameters."""
+
+    @property
+    def helix(self) -> Helix | None:
+        """How the teeth of both gears wind about their axes; None for spur gears."""
+        return self.spec.pinion.helix(self.face_width)
 
     @property
     def ratio(self) -> float:
@@ -161,7 +167,7 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
             tooth_count=ring.tooth_count,
             module=gear.module,
             pressure_angle=gear.pressure_angle,
-            profile_shift=ring.profile_shift,
+            profile_shift=ring.profile_shift * pinion.slope,
             tip_diameter=ring.root_diameter,
             tip_rounding=ring.root_fillet,
         )
@@ -169,7 +175,7 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
     except GeometryError as error:
         raise error.changed(_in_keys_of_ring).under("machine.ring") from error
     try:
-        pair = pair_from_backlash(gear, teeth, pinion.normal_backlash or 0.0)
+        pair = pair_from_backlash(gear, teeth, pinion.transverse_backlash)
     except GeometryError as error:
         raise error.under("machine") from error
     distance, least = pinion.center_distance, pair.base_difference

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
@@ -15,7 +16,7 @@ from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.parameters import CrescentParameters
 from toothspace.machines.crescent.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import LumpedLateralFilm, MachineDescription, Winding
 
 FAMILIES = ("pinion_space", "ring_space")
 
@@ -41,9 +42,18 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         for own, name in zip(tooth_spaces(assembly, numbering, spaces), FAMILIES, strict=True)
     )
     paths = flow_paths(assembly, numbering, spaces)
+    contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
+    laterals: tuple[LumpedLateralFilm, ...] = gear_bodies.lateral_films(assembly, numbering)
+    helix, section = assembly.helix, (families, paths, contacts)
+    if helix is not None:
+        families = tuple(helix.family(family) for family in families)
+        paths = tuple(helix.path(path) for path in paths)
+        contacts = helix.contact(contacts[0]), helix.contact(contacts[1])
+        # films beside helical gears see another section at each face: closed forms serve there
+        laterals = tuple(replace(film, face=None) for film in laterals)
     journals = gear_bodies.journal_bearings(assembly)
     checks = LazySequence(partial(design_checks, assembly, families, paths, journals))
-    return MachineDescription(
+    machine = MachineDescription(
         name="crescent",
         mode=spec.use,
         displacement=displacement(assembly),
@@ -52,8 +62,8 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         families=families,
         paths=paths,
         journals=journals,
-        laterals=gear_bodies.lateral_films(assembly, numbering),
-        contacts=flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0]),
+        laterals=laterals,
+        contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
@@ -64,6 +74,11 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
     )
+    if helix is None:
+        return machine
+    families, paths, contacts = section
+    spur = replace(machine, families=families, paths=paths, contacts=contacts)
+    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur))
 
 
 MACHINE = MachineType("crescent", describe)

@@ -20,9 +20,9 @@ from toothspace.core.keys import (
 )
 from toothspace.gearing.gear_tables import (
     PROFILE_SUFFIXES,
-    MeshingGearParameters,
     ReliefGrooveParameters,
 )
+from toothspace.gearing.helix import HelicalGearParameters
 from toothspace.machines.shared_tables import (
     LinedBearingParameters,
     MachineTables,
@@ -33,7 +33,7 @@ from toothspace.machines.shared_tables import (
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PinionParameters(MeshingGearParameters):
+class PinionParameters(HelicalGearParameters):
     """``[machine.pinion]``: rack-generated involute teeth, or a profile from a file."""
 
     tip_rounding: float = quantity(

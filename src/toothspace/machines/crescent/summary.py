@@ -11,7 +11,7 @@ from toothspace.advice import gear_rules as rules
 from toothspace.advice.gear_rules import bearing_checks
 from toothspace.advice.trapping import opening_checks
 from toothspace.core.finding import DesignCheck, warnings_of
-from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
+from toothspace.gearing.meshing import contact_ratio, displacement, flow_over_pitch, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.curve import turned
@@ -35,28 +35,37 @@ def geometry_summary(
     sealed = [sealed_teeth(assembly, gear) for gear in (0, 1)]
     dead = assembly.face_width * sum(float(section_areas(s).min()) for s in spaces)
     angle = None if pair is None else float(np.rad2deg(pair.operating_pressure_angle))
+    helix = assembly.helix
+    ripple = flow_ripple(assembly) if helix is None else helix.ripple(flow_over_pitch(assembly))
     return {
         "displacement_cm3_per_rev": displacement(assembly) * 2.0 * np.pi * 1e6,
+        "face_width_mm": assembly.face_width * 1e3,
         "contact_ratio": contact_ratio(assembly),
         "center_distance_mm": -assembly.mesh.center_distance * 1e3,
         "operating_pressure_angle_deg": angle,
-        "flow_ripple_percent": 100.0 * flow_ripple(assembly),
+        "flow_ripple_percent": 100.0 * ripple,
         "tip_land_mm": min(assembly.tip_lands) * 1e3,
         "root_clearance_mm": min(assembly.root_clearances) * 1e3,
         "filler_thickness_mm": filler_thickness(assembly) * 1e3,
         "sealed_pinion_teeth": sealed[0],
         "sealed_ring_teeth": sealed[1],
         "smallest_chamber_volumes_mm3": dead * 1e9,
+        **({} if helix is None else helix.numbers(contact_ratio(assembly))),
         "warnings": warnings_of(checks),
     }
 
 
 def sealed_teeth(assembly: CrescentAssembly, gear: int) -> float:
-    """Mean number of teeth of a gear that seal at the filler beside its notch. [-]."""
+    """Mean number of teeth of a gear that seal at the filler beside its notch. [-].
+
+    Along a helix those that seal over the whole width.
+    """
+    helix = assembly.helix
+    lost = 0.0 if helix is None else helix.overlap_ratio
     notch, tooth = assembly.spec.filler.notch, assembly.teeth[gear]
     open_end = 0.0 if notch is None else notch.length / abs(tooth.tip_radius)
     span = filler_edges(assembly, gear).span - open_end - abs(tooth.land_angle)
-    return max(span, 0.0) * assembly.counts[gear] / (2.0 * np.pi)
+    return max(span * assembly.counts[gear] / (2.0 * np.pi) - lost, 0.0)
 
 
 def tip_clearance(pair: InternalPair) -> float:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, cast, final
 
@@ -32,11 +32,10 @@ from toothspace.core.keys import (
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import (
     CONTOUR_SUFFIXES,
-    MeshingGearParameters,
     ReliefGrooveParameters,
     ReliefGrooves,
 )
-from toothspace.gearing.helix import Helix, base_helix_angle
+from toothspace.gearing.helix import GENERATED, HelicalGearParameters, Helix
 from toothspace.gearing.materials import Material
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.geometry.continuous_contact import FAMILIES, ContinuousGear, Family
@@ -107,7 +106,7 @@ def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: s
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class GearParameters(MeshingGearParameters):
+class GearParameters(HelicalGearParameters):
     """``[machine.gears]``: rack-generated involute teeth, or a profile from a file."""
 
     profile_layer: str | None = text("Layer of a DXF file; default all.", default=None)
@@ -141,21 +140,6 @@ class GearParameters(MeshingGearParameters):
     tooth_deviations: Path | None = file_path(
         "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
     )
-    helix_angle: float = quantity(
-        "deg",
-        "Helix angle at the reference circle, 0 for spur gears; module, pressure angle, shift, "
-        "dedendum, tool tip and backlash are then those of the normal section.",
-        low=0,
-        high=45,
-        default=0.0,
-    )
-    helix_hand: str | None = choice(
-        "Hand of the drive gear's teeth, default right; the driven gear has the other one.",
-        "right",
-        "left",
-        default=None,
-    )
-
     family: str = choice(
         "Outline of generated teeth: involutes, or those of continuous contact whose tips roll "
         "through the roots of an equal gear at a centre distance of one pitch diameter.",
@@ -192,10 +176,7 @@ class GearParameters(MeshingGearParameters):
         else:
             forbid(self, "with involute teeth", "tip_land", "root_clearance")
         if self.helix_angle > 0.0:
-            reason = "with a helix_angle (teeth are then generated, all alike)"
-            forbid(self, reason, "profile", "tooth_deviations")
-        else:
-            forbid(self, "with spur gears", "helix_hand")
+            forbid(self, GENERATED, "tooth_deviations")
         if self.profile_teeth == "own":
             require(self, 'with profile_teeth = "own"', "profile")
             forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
@@ -240,53 +221,6 @@ class GearParameters(MeshingGearParameters):
             root_clearance=clearance if arcs else 0.0,
             backlash=self.transverse_backlash,
         )
-
-    @property
-    def slope(self) -> float:
-        """Cosine of the helix angle. [-]."""
-        return math.cos(self.helix_angle)
-
-    @property
-    def transverse_pressure_angle(self) -> float:
-        """Pressure angle in the section across the axis; 0 of a profile from a file. [rad]."""
-        return math.atan(math.tan(self.pressure_angle or 0.0) / self.slope)
-
-    @property
-    def transverse_backlash(self) -> float:
-        """Play of the flanks along the line of action of the transverse section. [m]."""
-        base = base_helix_angle(self.helix_angle, self.transverse_pressure_angle)
-        return (self.normal_backlash or 0.0) / math.cos(base)
-
-    def involute_gear(self, table: str) -> InvoluteGear:
-        r"""Return the generated gear in the transverse section.
-
-        Raises GeometryError if the tooth is impossible, with the key in the given table.
-
-        Notes
-        -----
-        .. math:: m_t = \frac{m_n}{\cos\beta}, \quad
-            \tan\alpha_t = \frac{\tan\alpha_n}{\cos\beta}, \quad x_t = x_n \cos\beta
-
-        Lengths in modules change alike, so that they stay the same in mm.
-
-        References
-        ----------
-        .. [1] ISO 21771:2007, Gears: cylindrical involute gears and gear pairs, section 4.
-        """
-        if self.helix_angle == 0.0:
-            return super().involute_gear(table)
-        assert self.module is not None
-        radius = self.tool_tip_radius
-        return replace(
-            self,
-            helix_angle=0.0,
-            helix_hand=None,
-            module=self.module / self.slope,
-            pressure_angle=self.transverse_pressure_angle,
-            profile_shift=self.profile_shift * self.slope,
-            dedendum=self.dedendum * self.slope,
-            tool_tip_radius=None if radius is None else radius * self.slope,
-        ).involute_gear(table)
 
 
 @final
@@ -704,18 +638,7 @@ class ExternalGearSpec:
     def helix(self) -> Helix | None:
         """How the teeth wind about the axes; None for spur gears."""
         gears = self.keys.gears
-        if gears.helix_angle == 0.0:
-            return None
-        assert gears.tooth_count is not None
-        assert gears.module is not None
-        return Helix(
-            angle=-gears.helix_angle if gears.helix_hand == "left" else gears.helix_angle,
-            tooth_count=gears.tooth_count,
-            reference_radius=0.5 * gears.tooth_count * gears.module / gears.slope,
-            pressure_angle=gears.transverse_pressure_angle,
-            face_width=self.drive.face_width,
-            flanks_in_turn=gears.is_continuous,
-        )
+        return gears.helix(self.drive.face_width, flanks_in_turn=gears.is_continuous)
 
     @property
     def continuous(self) -> ContinuousGear | None:

@@ -96,6 +96,7 @@ def geometry_summary(
     return {
         **tooth_data(assembly),
         "displacement_cm3_per_rev": displacement(assembly) * 2e6 * np.pi,
+        "face_width_mm": assembly.face_width * 1e3,
         "contact_ratio": contact_ratio(assembly),
         "tip_land_mm": min(assembly.tip_lands) * 1e3,
         "undercut": undercut,
@@ -106,14 +107,7 @@ def geometry_summary(
         "operating_pressure_angle_deg": None if angle is None else float(np.rad2deg(angle)),
         "flow_ripple_percent": 100.0 * ripple,
         **(
-            _enclosed(assembly, spaces)
-            if helix is None
-            else {
-                "helix_angle_deg": float(np.rad2deg(helix.angle)),
-                "face_twist_deg": float(np.rad2deg(helix.twist)),
-                "overlap_ratio": helix.overlap_ratio,
-                "total_contact_ratio": contact_ratio(assembly) + helix.overlap_ratio,
-            }
+            _enclosed(assembly, spaces) if helix is None else helix.numbers(contact_ratio(assembly))
         ),
         **(
             {"encapsulated_volume_mm3": enclosed_area(assembly) * assembly.face_width * 1e9}

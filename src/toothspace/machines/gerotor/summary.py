@@ -61,6 +61,7 @@ def geometry_summary(
     lands = np.rad2deg(kinematic_lands(pocket))
     return {
         "displacement_cm3_per_rev": pocket.area_per_radian * width * 2e6 * np.pi,
+        "face_width_mm": width * 1e3,
         "max_pocket_volume_mm3": float(pocket.area.max()) * width * 1e9,
         "min_pocket_volume_mm3": float(pocket.area.min()) * width * 1e9,
         "no_undercut_limit_mm": trochoid_of(parameters.rotors).no_undercut_limit * 1e3

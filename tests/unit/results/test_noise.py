@@ -1,0 +1,172 @@
+"""Forces on the casing and the sound that they make: conservation, limits, scaling."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from toothspace.closures.sound import (
+    AIR_DENSITY,
+    SOUND_SPEED,
+    plate_near_field_power,
+    plate_point_mobility,
+    plate_transfer_ratio,
+    sphere_radiation_efficiency,
+)
+from toothspace.model.description import Body
+from toothspace.results.noise import (
+    NET_MOMENT,
+    NET_X,
+    NET_Y,
+    Casing,
+    CasingForces,
+    Plate,
+    blocked_foot_forces,
+    casing_forces,
+    orders_up_to,
+    sound_powers,
+)
+
+SPEED = 150.0
+CASING = Casing(mass=4.0, surface=0.05, stiffness=2e9)
+PLATE = Plate(length=0.8, width=0.6, thickness=0.01, foot_distance=0.12, shaft_height=0.06)
+BODY = Body("rotor", (0.0, 0.0), 1.0, 0.3, 1e-4, "shaft")
+WIDTH = 0.02
+
+
+def run_of_a_rotor() -> xr.Dataset:
+    """One rotor on a journal: what pressure and journal do not balance accelerates it."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 721)
+    k = 12.0
+    velocity = np.stack([1e-4 * np.sin(k * angle), 3e-5 * np.cos(2 * k * angle)], axis=-1)
+    rate = np.stack([1e-4 * k * np.cos(k * angle), -6e-5 * k * np.sin(2 * k * angle)], axis=-1) * (
+        BODY.mass * SPEED
+    )
+    force = np.stack([900.0 + 80.0 * np.cos(k * angle + 0.4), 30.0 * np.sin(3 * k * angle)], -1)
+    pressure = 50e5 + np.stack([1e5 * np.cos(k * angle), 2e4 * np.sin(2 * k * angle)], -1)
+
+    def of_body(values: np.ndarray) -> tuple[tuple[str, ...], np.ndarray]:
+        return ("shaft_angle", "body", "axis"), values[:, None]
+
+    return xr.Dataset(
+        {
+            "shaft_speed": ("shaft_angle", np.full(angle.size, SPEED)),
+            "body_force": of_body(force),
+            "journal_force": of_body(rate - force),
+            "body_velocity": of_body(velocity),
+            "chamber_pressure": (("shaft_angle", "chamber"), pressure),
+            "chamber_volume": (("shaft_angle", "chamber"), np.full(pressure.shape, 2e-7)),
+            "inlet_pressure": ("shaft_angle", np.full(angle.size, 1e5)),
+            "outlet_pressure": ("shaft_angle", 1e7 + 2e5 * np.cos(k * angle)),
+            "shaft_torque": ("shaft_angle", 9.0 + 0.7 * np.cos(k * angle)),
+        },
+        coords={"shaft_angle": angle, "body": ["rotor"], "axis": ["x", "y"]},
+        attrs={"mode": "pump"},
+    )
+
+
+def only(order: float, **net: complex) -> CasingForces:
+    """Net forces of one order alone."""
+    zero = {name: np.zeros(1, dtype=complex) for name in (NET_X, NET_Y, NET_MOMENT)}
+    given = {name: np.array([complex(value)]) for name, value in net.items()}
+    return CasingForces(np.array([order]), SPEED, {"pair": np.zeros(1, complex)}, {}, zero | given)
+
+
+def test_pressures_and_journals_on_a_closed_casing_sum_to_the_inertia_of_the_gears() -> None:
+    forces = casing_forces(run_of_a_rotor(), [BODY], WIDTH)
+    for axis in "xy":
+        both = forces.pressure[f"pressure_rotor_{axis}"] + forces.inside[f"journal_rotor_{axis}"]
+        assert np.abs(both).max() > 0.03
+        assert forces.net[f"net_{axis}"] == pytest.approx(both, abs=1e-9)
+
+
+def test_spectra_hold_the_power_of_their_signals() -> None:
+    """Parseval: half the sum of the squares of amplitudes is the variance."""
+    data = run_of_a_rotor()
+    forces = casing_forces(data, [BODY], WIDTH)
+    signal = data["journal_force"].sel(axis="x").values[:-1]
+    amplitude = forces.inside["journal_rotor_x"]
+    assert 0.5 * np.sum(np.abs(amplitude) ** 2) == pytest.approx(signal.var(), rel=1e-9)
+    place = int(np.argmin(np.abs(forces.order - 12.0)))
+    assert forces.net[NET_MOMENT][place] == pytest.approx(0.7)
+    # both chambers have the same volume: their pressures act on faces of V/b
+    assert abs(forces.inside["cover_z"][place]) == pytest.approx(1e5 * 2e-7 / WIDTH)
+
+
+def test_a_hose_leaves_the_force_of_its_port() -> None:
+    data = run_of_a_rotor()
+    pipes, hoses = (casing_forces(data, [BODY], WIDTH, d) for d in (0.0, 0.02))
+    place = int(np.argmin(np.abs(pipes.order - 12.0)))
+    extra = hoses.net[NET_X] - pipes.net[NET_X]
+    assert extra[place] == pytest.approx(-2e5 * np.pi * 0.01**2)
+    assert hoses.net[NET_Y] == pytest.approx(pipes.net[NET_Y])
+
+
+def test_orders_end_where_samples_or_bands_do() -> None:
+    data = run_of_a_rotor()
+    assert casing_forces(data, [BODY], WIDTH).order[-1] == 359
+    few = casing_forces(data.isel(shaft_angle=slice(None, None, 40)), [BODY], WIDTH)
+    assert few.order[-1] == 8
+    assert orders_up_to(1000.0, SPEED)[-1] == 41
+
+
+def test_a_free_casing_moves_as_an_oscillating_sphere() -> None:
+    """W = rho c 4 pi a^2/3 sigma_1 v^2/2 with v = F/(omega m)."""
+    found = sound_powers(only(40.0, **{NET_X: 5.0}), CASING, None)
+    velocity = 5.0 / (40.0 * SPEED * CASING.mass)
+    sigma = sphere_radiation_efficiency(1, 40.0 * SPEED / SOUND_SPEED, CASING.radius)
+    expected = AIR_DENSITY * SOUND_SPEED * CASING.surface / 3.0 * sigma * velocity**2 / 2.0
+    assert found["motion"][0] == pytest.approx(expected)
+    assert "plate" not in found
+
+
+def test_a_soft_pair_follows_its_spring_and_is_loudest_at_resonance() -> None:
+    order = np.array([1.0, 2.0, CASING.resonance / SPEED])
+    pair = {"pair": np.full(3, 10.0 + 0.0j)}
+    net = {name: np.zeros(3, complex) for name in (NET_X, NET_Y, NET_MOMENT)}
+    power = sound_powers(CasingForces(order, SPEED, pair, {}, net), CASING, None)["deformation"]
+    # a monopole of constant displacement: velocity squared and efficiency grow by 2^2 each
+    assert power[1] / power[0] == pytest.approx(16.0, rel=0.02)
+    stiff = replace(CASING, loss_factor=2.0 * CASING.loss_factor)
+    calmer = sound_powers(CasingForces(order, SPEED, pair, {}, net), stiff, None)["deformation"]
+    assert power[2] / calmer[2] == pytest.approx(4.0)
+
+
+def test_feet_on_a_stiff_plate_feel_the_blocked_forces() -> None:
+    forces = only(30.0, **{NET_X: 4.0, NET_Y: 6.0, NET_MOMENT: 1.5})
+    lift, tilt = blocked_foot_forces(forces, PLATE)
+    assert lift[0] == 3.0
+    assert tilt[0] == pytest.approx((1.5 - 0.06 * 4.0) / 0.12)
+
+
+def test_an_undamped_plate_radiates_all_that_a_light_machine_brings_into_it() -> None:
+    found = sound_powers(
+        only(30.0, **{NET_Y: 6.0}), replace(CASING, mass=1e-9), replace(PLATE, loss_factor=1e-12)
+    )
+    bending, mass = PLATE.bending_stiffness, PLATE.mass_per_area
+    wave_number = np.array([np.sqrt(30.0 * SPEED) * (mass / bending) ** 0.25])
+    ratio = plate_transfer_ratio(wave_number, PLATE.foot_distance).real
+    brought = 3.0**2 * plate_point_mobility(bending, mass) * (1.0 + ratio)
+    near = plate_near_field_power(3.0**2, mass)
+    assert found["plate"] == pytest.approx(brought + near, rel=1e-6)
+
+
+def test_a_plate_radiates_no_more_than_it_gets_and_mounts_keep_it_quiet() -> None:
+    forces = only(30.0, **{NET_Y: 6.0, NET_MOMENT: 1.0})
+    loud = sound_powers(forces, CASING, replace(PLATE, loss_factor=1e-9))["plate"][0]
+    damped = sound_powers(forces, CASING, PLATE)["plate"][0]
+    quiet = sound_powers(forces, CASING, replace(PLATE, mount_stiffness=1e5))["plate"][0]
+    assert quiet < 0.01 * damped < 0.01 * loud
+    thick = replace(PLATE, thickness=10.0)
+    assert sound_powers(forces, CASING, thick)["plate"][0] < 1e-6 * damped
+
+
+def test_twice_the_force_is_six_decibels() -> None:
+    names = {NET_X: 1.0, NET_Y: 2.0, NET_MOMENT: 0.3}
+    once = sound_powers(only(50.0, **names), CASING, PLATE)
+    twice = sound_powers(only(50.0, **{n: 2.0 * v for n, v in names.items()}), CASING, PLATE)
+    for name in ("motion", "plate"):
+        assert twice[name] == pytest.approx(4.0 * once[name])
