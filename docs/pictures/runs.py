@@ -11,6 +11,7 @@ left out:
 ``map/``            study ``efficiency_map_egm12``
 ``ratio/``          study ``startup_ratio``
 ``span/``           study ``contact_span``
+``wear/``           study ``wear_egm12_pump``
 ``noise/``          study ``noise_comparison``
 =================== ======================================================================
 """
@@ -54,6 +55,7 @@ STUDIES = {
     "map": ("efficiency_map", "efficiency_map", "efficiency_map"),
     "ratio": ("startup", "startup_ratio", "startup_ratio"),
     "span": ("contact_span", "contact_span", "contact_span"),
+    "wear": ("wear", "wear", "wear"),
     "noise": ("noise", "noise", "noise"),
 }
 

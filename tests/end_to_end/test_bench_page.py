@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from tests.conftest import REPOSITORY
+from toothspace import cli
 from toothspace.app.server import BenchServer
 
 playwright = pytest.importorskip("playwright.sync_api")
@@ -195,6 +197,55 @@ def test_cad_files_become_a_running_machine(page: Any, repository: Path) -> None
     page.set_input_files("#cad input[type=file]", [str(file) for file in files])
     page.wait_for_selector("#cad >> text=First case")
     assert "assumed" in page.input_value("#cad textarea")
+    page.click("#cad >> text=Open on the bench")
+    page.wait_for_selector("#tiles .tile")
+
+
+def test_a_study_is_stopped_goes_on_and_is_downloaded(page: Any) -> None:
+    """What was finished when it was stopped is not computed again."""
+    begin(page, "Quiet a pump")
+    page.click("#tabs >> text=Runs")
+    page.select_option("#study-form [name=key]", "machine.relief_grooves.closing_side_offset")
+    for name, value in (("from", "3.2"), ("to", "3.6"), ("count", "3")):
+        page.fill(f"#study-form [name={name}]", value)
+    page.click("#study-form button.first")
+    state, run = page.locator("#runs .run").first, "#runs .run >> nth=0"
+    page.wait_for_selector(f"{run} >> text=/[12] of 3/")
+    page.click(f"{run} >> text=Stop")
+    page.wait_for_selector(f"{run} >> text=stopped")
+    page.click(f"{run} >> text=Run again or go on")
+    page.wait_for_selector(f"{run} >> a:has-text('.csv')")
+    assert "bad" not in (state.locator("span").first.get_attribute("class") or "")
+    with page.expect_download() as given:
+        page.click(f"{run} >> a:has-text('.csv')")
+    rows = Path(given.value.path()).read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 4
+    with page.expect_download() as given:
+        page.click("#downloads >> text=Case file")
+    assert "[machine.relief_grooves]" in Path(given.value.path()).read_text(encoding="utf-8")
+
+
+def test_dropped_step_files_become_a_running_machine(
+    page: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("OCP", reason="STEP files need the extra cad")
+    case = REPOSITORY / "cases" / "egm12_motor.toml"
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["geometry", str(case), "--export", "step"]) == 0
+    files = sorted(tmp_path.glob("*.step"))
+    page.click(".card:has-text('Check my CAD')")
+    contents = [[file.name, file.read_text(encoding="utf-8")] for file in files]
+    dropped = page.evaluate_handle(
+        """files => {
+            const data = new DataTransfer();
+            for (const [name, text] of files) data.items.add(new File([text], name));
+            return data;
+        }""",
+        contents,
+    )
+    page.dispatch_event("#cad", "drop", {"dataTransfer": dropped})
+    page.wait_for_selector("#cad >> text=First case")
+    assert "[machine.gears]" in page.input_value("#cad textarea")
     page.click("#cad >> text=Open on the bench")
     page.wait_for_selector("#tiles .tile")
 

@@ -18,6 +18,7 @@ line_friction        unsteady and turbulent friction in lines
 bearing_map          journal bearing without a grid: force with derivatives
 journal_friction     its torque, and friction over the Sommerfeld number
 friction             start, its fading into that of running, a true state of rest
+wear                 depth over load, speed and time; break-in
 traction             film thickness and friction of tooth flanks
 contact_cylindrical  pressure and force of curved contacts
 contact_law          elastic laws with energy, damping of impacts, squeezed films

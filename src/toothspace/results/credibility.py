@@ -27,6 +27,9 @@ BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 VOLUMETRIC_LIMIT = 1.001
 """Volumetric efficiency above which a warning says why it is above 1. [-]"""
 
+HYDROMECHANICAL_LIMIT = 1.001
+"""Hydromechanical efficiency above which a warning says why it is above 1. [-]"""
+
 OVERALL_LIMIT = 1.0 + 1e-6
 """Overall efficiency above which a warning says so; an ideal machine reaches 1. [-]"""
 
@@ -210,6 +213,20 @@ def _efficiencies(numbers: Mapping[str, float]) -> Iterator[Finding]:
             found=f"{volumetric:.3f}",
             allowed=f"from {LEAKAGE_LIMIT:g}",
             advice="Look at the clearances, the speed, and whether the chambers fill.",
+        )
+    hydromechanical = numbers.get("hydromechanical_efficiency", math.nan)
+    if hydromechanical > HYDROMECHANICAL_LIMIT and volumetric >= 0.0:
+        name = "Hydromechanical efficiency"
+        yield Finding(
+            "warning",
+            f"{name} is {hydromechanical:.4f}, above 1: spaces meet less than the pressure "
+            "difference of the ports, as where they join both or open late, so that the torque is "
+            "below displacement times pressure; the flow lost with it counts as volumetric.",
+            quantity=name,
+            found=f"{hydromechanical:.4f}",
+            allowed="up to 1",
+            severity="serious",
+            advice="Judge the overall efficiency, and look at overlap, grooves and ports.",
         )
     name = "Overall efficiency"
     if overall < 0.0 and not volumetric < 0.0:

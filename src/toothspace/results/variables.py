@@ -110,6 +110,8 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("casing_angle", "casing_angle", "rad",
      "Angle round a bore in the sense of rotation, zero opposite to the mesh"),
     ("running_in_depth", "body casing_angle", "m", "Depth cut into the casing by running-in"),
+    ("tip_cut_depth", "body casing_angle", "m",
+     "Depth by which tips would cut into the casing as it is, in this revolution"),
     ("dense_angle", "dense_angle", "rad",
      "Angle of the drive shaft at the states that spectra come from, whatever the samples are"),
     ("contact_loaded_share", "contact", "1",
@@ -223,7 +225,7 @@ UNITS: Mapping[str, str] = {
     "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
     "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
     "mm2": "mm2", "s": "s", "MPa": "MPa", "K": "K", "mrad": "mrad", "W_per_mm2": "W/mm2",
-    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J", "dBA": "dB(A)", "dB": "dB",
+    "um_bar": "um bar", "mm3": "mm3", "kN": "kN", "J": "J", "h": "h", "dBA": "dB(A)", "dB": "dB",
 }  # fmt: skip
 """Units by the suffix of a name."""
 

@@ -31,7 +31,7 @@ from toothspace.results.solution import Solution, standing
 from toothspace.run.condition import fluid_temperature
 from toothspace.run.heating import HeatSearch
 from toothspace.run.load_orifice import march_against_orifice, with_held_outlet
-from toothspace.run.running_in import Tracks, run_in
+from toothspace.run.running_in import Tracks, named_depths, run_in, running_in_depths
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.flow_regime import flow_regimes
@@ -201,10 +201,16 @@ class Marches:
                 state = None if last is None else first_turn_state(last)
                 history, told = march_to_balance(system, self._plan, progress, state), ""
             self.last = history if history.status is Status.DONE else None
-            found = solution_from(history, run.provenance, run.values, run.case.title)
+            values = {**run.values, **self._still_cut(history)}
+            found = solution_from(history, run.provenance, values, run.case.title)
             found = found.short_of(told)
             settled = seats.agree_with(found)
         return run.marked(seats.noted(found.with_note(*flow_regimes(history))))
+
+    def _still_cut(self, history: History) -> dict[str, Any]:
+        """What tips would cut into the casing in the last revolution."""
+        bodies = [body.name for body in self._run.machine.bodies]
+        return named_depths("tip_cut_depth", running_in_depths(history), bodies)
 
     def turned(self, machine: MachineDescription) -> History:
         """One revolution of this machine from where the last march ended, its pressures held.

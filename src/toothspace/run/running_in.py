@@ -75,15 +75,20 @@ class Tracks:
         return solution.short_of(_STILL_CUTS.format(1e6 * self.change, 1e6 * deepest))
 
     def values(self, bodies: Sequence[str]) -> dict[str, Any]:
-        """Depths by the names of results, one row per body, at the nodes of the finest table."""
-        if not self.depths:
-            return {}
-        angle = _table_angles(max(depth.size for depth in self.depths.values()))
-        table = np.zeros((len(bodies), angle.size))
-        for body, depth in self.depths.items():
-            own = _table_angles(depth.size)
-            table[bodies.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
-        return {"running_in_depth": table, "casing_angle": angle}
+        """Depths by the names of results."""
+        return named_depths("running_in_depth", self.depths, bodies)
+
+
+def named_depths(name: str, depths: Mapping[str, Array], bodies: Sequence[str]) -> dict[str, Any]:
+    """Depths under the name of a result, one row per body, at the nodes of the finest table."""
+    if not depths:
+        return {}
+    angle = _table_angles(max(depth.size for depth in depths.values()))
+    table = np.zeros((len(bodies), angle.size))
+    for body, depth in depths.items():
+        own = _table_angles(depth.size)
+        table[bodies.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
+    return {name: table, "casing_angle": angle}
 
 
 def run_in(case: Case, machine: MachineDescription, progress: Progress | None = None) -> Tracks:

@@ -38,6 +38,7 @@ def test_pressures_beyond_the_fluid_are_told() -> None:
     ("name", "factor", "part"),
     [
         ("mass", 0.9, "Volumetric efficiency is"),
+        ("mass", 1.5, "Hydromechanical efficiency is"),
         ("energy", 1.5, "Overall efficiency is"),
         ("mass", -0.9, "the mean flow runs backwards"),
         ("energy", -0.5, "The shaft is driven from outside"),

@@ -13,7 +13,7 @@ const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_e
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = null, lastMoved = "";
-let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], playing = 0;
+let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
 window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [] };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
@@ -279,7 +279,8 @@ function runBox(run) {
     run.state === "running" ? bar : null, run.state === "running" ? element("small", { textContent: run.text ?? "" }) : null, run.problem ? element("p", { className: "bad", textContent: run.problem }) : null,
     element("div", { className: "row" }, ...(run.files ?? []).map(file => element("a", { className: "button small", textContent: file, href: `/api/runs/${run.id}/${encodeURIComponent(file)}`, target: file.endsWith(".html") ? "_blank" : "", rel: "noopener" }))));
 }
-async function loadRuns() { runs = await ask("/api/runs"); if (design) showRuns(); }
+// a list that was asked for before a run changed and comes after it would show the run as it was
+async function loadRuns() { let told, found; do { told = runsTold; found = await ask("/api/runs"); } while (told !== runsTold); runs = found; if (design) showRuns(); }
 async function startRun(kind, values) { await attempt(async () => { await ask("/api/runs", { design: design.id, kind, values }); await loadRuns(); }); }
 function studyForm() {
   const form = by("study-form"), choice = (name, list, label) => element("label", {}, `${label} `, element("select", { name }, ...list.map(([v, t]) => element("option", { value: v, textContent: t }))));
@@ -348,7 +349,7 @@ document.documentElement.dataset.theme = units.theme;
 const events = new EventSource("/api/events");
 events.onmessage = ({ data }) => {
   const { kind, value } = JSON.parse(data);
-  if (kind === "run") { runs = [value, ...runs.filter(r => r.id !== value.id)].sort((a, b) => b.begun - a.begun); if (design && !by("panel-runs").hidden) showRuns(); }
+  if (kind === "run") { runsTold += 1; runs = [value, ...runs.filter(r => r.id !== value.id)].sort((a, b) => b.begun - a.begun); if (design && !by("panel-runs").hidden) showRuns(); }
   if (kind === "answer" && value.design === design?.id && !by("stop").hidden) say(`${value.text} …`);
   // another tab has changed this design
   if (kind === "design" && value.id === design?.id && value.version > design.version && !machine.held) changing = changing.then(async () => { if (value.version <= design.version) return; take(await ask(`/api/designs/${design.id}`)); await look({}, false); solve(); });

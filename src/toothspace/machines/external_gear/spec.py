@@ -497,6 +497,17 @@ class ExternalGearTables(MachineTables):
         "startup": "startup",
     }
     """Tables of parts that not every preset uses."""
+    clearance_keys: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "conforming": ("bearing_blocks.radial_clearance",),
+        "round": ("journal_bearings.radial_clearance",),
+        "faces": (
+            "lateral.side_gap",
+            *(f"lateral.{name}" for name in LateralParameters.each),
+        ),
+    }
+    """Keys of the clearances that wear opens: of bushes that take the shape of the shaft, of bushes
+    that stay round, and of faces.
+    """
 
     outlet_toward: str | None = choice(
         "Direction in the file of the gears from their centre line towards the outlet, where "
