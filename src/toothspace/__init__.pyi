@@ -22,6 +22,9 @@ from .results.solution import load_solution as load_solution
 from .run.run import Run as Run
 from .studies import StudyResult as StudyResult
 from .studies import run_study as run_study
+from .studies.surrogate import Surrogate as Surrogate
+from .studies.surrogate import fit_surrogate as fit_surrogate
+from .studies.surrogate import load_surrogate as load_surrogate
 from .studies.sweep import sweep as sweep
 
 __version__: str

@@ -115,7 +115,11 @@ def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
 
 
 class _Face:
-    """Both faces of one body with their solved conductances."""
+    """Both faces of one body with their solved conductances.
+
+    Where teeth wind about the axis, one face leads the middle of its chambers by half the twist of
+    the width and the other one lags: paths have the mean of both.
+    """
 
     def __init__(self, description: MachineDescription, film: LumpedLateralFilm) -> None:
         assert film.face is not None
@@ -123,6 +127,9 @@ class _Face:
         self.across = _path(description, LATERAL, film.face.chambers.nodes)
         self.inwards = _path(description, DRAIN, film.face.chambers.nodes)
         self.height = float(self.inwards.geometry.values[0, 0])
+        winding = description.winding
+        twist = 0.0 if winding is None else winding.twist
+        self.lead = 0.5 * twist * film.face.chambers.angle_ratio
         self.solved = face_conductance(film.face, _RESOLUTION)
 
     def film(self) -> LumpedLateralFilm:
@@ -162,14 +169,14 @@ class _Face:
                 nodes_b=np.full(count, node),
                 geometry=gap_table(self.height, shape),
             )
-            one_pitch = -self.solved.matrix[:, place, -1]
+            over_pitches = np.tile(-self.solved.matrix[:, place, -1], count)
             to_shaft = replace(
                 self.inwards,
                 name=f"{self.inwards.name}_recess_{node}",
                 nodes_a=np.array([node]),
                 nodes_b=self.inwards.nodes_b[:1],
                 phases=np.zeros(1),
-                geometry=gap_table(self.height, np.tile(one_pitch, count)),
+                geometry=gap_table(self.height, self._both_ends(over_pitches)),
             )
             found += [from_spaces, to_shaft]
         return found
@@ -177,7 +184,15 @@ class _Face:
     def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
         """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
         values = -self.solved.matrix[:, first, second]
-        return over_turn(values, path.phases, self.solved.turn)
+        return self._both_ends(over_turn(values, path.phases, self.solved.turn))
+
+    def _both_ends(self, values: Array) -> Array:
+        """Mean of both faces from values of the middle section on uniform nodes of a turn. [-]."""
+        if self.lead == 0.0:
+            return values
+        nodes = np.arange(values.size) * _FULL_TURN / values.size
+        ends = monotone_table(_FULL_TURN, values)(nodes + self.lead * np.array([[-1.0], [1.0]]))
+        return np.asarray(ends[..., 0].mean(axis=0))
 
 
 def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:

@@ -10,6 +10,7 @@ variation      keys that several studies have; values of varied keys: grids, sam
 measured       measured columns
 least_squares  fits within bounds
 bearing_points operating points of a floating bearing, in memory and on disk
+surrogate      Gaussian processes through the points of a finished study, with error bars
 reduce         tables of films for the lumped preset
 ============== =================================================================================
 

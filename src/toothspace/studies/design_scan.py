@@ -96,7 +96,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
     study = case.study
     assert isinstance(study, DesignScanStudy)
-    axes = axes_of(study.vary, case.label)
+    axes = axes_of(study.vary, case.label, case)
     shares = unit_samples(len(axes), study.method, study.sample_count, study.seed).T
     columns = []
     for axis, row in zip(axes, shares.tolist(), strict=True):

@@ -13,6 +13,7 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
+    Free,
     KeyTable,
     Named,
     Number,
@@ -20,11 +21,13 @@ from toothspace.core.keys import (
     declare,
     forbid,
     integer,
+    number,
     require,
     text,
 )
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.core.units import from_si, is_quantity, split_quantity, to_si
 from toothspace.plotting.style import (
     BLUE,
     GREY,
@@ -84,6 +87,26 @@ class OptimiseStudy(KeyTable):
         Named(item=Number(), doc="Summary numbers with wanted values, instead of objective."), None
     )
     constraints: Mapping[str, Limit] | None = declare(LIMITS, None)
+    scatter: Mapping[str, Any] | None = declare(
+        Named(
+            item=Free(),
+            doc="Key paths that scatter round each point, each as {tolerance}: normal, three "
+            "deviations wide to each side. Each point is then run scatter_count times.",
+        ),
+        None,
+    )
+    scatter_count: int = integer(
+        "Machines of each point that scatter, the middle one among them.",
+        low=2,
+        high=1000,
+        default=16,
+    )
+    quantile: float = number(
+        "With scatter: share of the machines that are at least as good as what counts.",
+        low=0.5,
+        high=1.0,
+        default=0.9,
+    )
     method: str = choice(
         "Search: over the whole range, or from its middle towards targets.",
         "differential_evolution",
@@ -95,12 +118,16 @@ class OptimiseStudy(KeyTable):
 
     def __post_init__(self) -> None:
         check_vary(self.vary)
+        for path, given in (self.scatter or {}).items():
+            if not isinstance(given, Mapping) or set(given) != {"tolerance"}:
+                raise CaseError(f"scatter.{path}", repr(given), "{tolerance = ...}")
         if self.targets is None:
             require(self, "unless targets are given", "objective")
         else:
             forbid(self, "because targets are given", "objective")
         if self.method == "least_squares":
             require(self, 'with method = "least_squares"', "targets")
+            forbid(self, 'with method = "least_squares"', "scatter")
             forbid(self, 'with method = "least_squares"', "constraints")
 
 
@@ -121,7 +148,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     -----
     ``differential_evolution`` computes one generation after another. A point that breaks a
     constraint counts less than any that keeps them, and among those the smaller violation wins.
-    ``least_squares`` needs few points, but finds the nearest minimum only.
+    ``least_squares`` needs few points, but finds the nearest minimum only. With ``scatter``, all
+    points get the same deviations from their values; the objective and the violation of a point
+    are those that the share ``quantile`` of its machines reach or beat.
 
     References
     ----------
@@ -169,9 +198,22 @@ class _TriedPoints:
 
     def __init__(self, case: Case, study: OptimiseStudy, context: StudyContext) -> None:
         self.case, self.study, self.context = case, study, context
-        self.axes = axes_of(study.vary, case.label)
+        self.axes = axes_of(study.vary, case.label, case)
         self.rows: list[tuple[Any, ...]] = []
         self.records: list[Record] = []
+        self.groups: dict[str, list[Record]] = {}
+        """Machines that scatter round a point, by the key of the point."""
+        scatter = axes_of(study.scatter or {}, case.label, case)
+        shares = np.empty((0, len(scatter)))
+        if scatter:
+            shares = unit_samples(
+                len(scatter), "latin_hypercube", study.scatter_count - 1, study.seed + 1
+            )
+        self.scattered = scatter
+        self.deviations = [
+            {axis.path: value - axis.mean for axis, value in zip(scatter, row, strict=True)}
+            for row in values_at(scatter, shares)
+        ]
 
     def run(self) -> bool:
         """Search; returns whether it ended by itself."""
@@ -203,7 +245,12 @@ class _TriedPoints:
 
     def _evaluate(self, shares: Array) -> list[Record]:
         rows = values_at(self.axes, shares)
-        points = [point(self.case, written_values(self.axes, row)) for row in rows]
+        given = [written_values(self.axes, row) for row in rows]
+        points = [point(self.case, one) for one in given]
+        round_each = len(self.deviations)
+        points += [
+            point(self.case, self._moved(one, off)) for one in given for off in self.deviations
+        ]
         report, done = self.context.progress, len(self.records)
         total = self.study.evaluation_count
         if report is None:
@@ -216,7 +263,10 @@ class _TriedPoints:
                 report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
 
             context = StudyContext(progress, self.context.workers, self.context.records)
-        records = evaluate_points(points, context)
+        evaluated = evaluate_points(points, context)
+        records, others = evaluated[: len(rows)], evaluated[len(rows) :]
+        for k, record in enumerate(records):
+            self.groups[record.key] = [record, *others[k * round_each : (k + 1) * round_each]]
         self.rows += rows
         self.records += records
         study = self.study
@@ -230,6 +280,17 @@ class _TriedPoints:
                 raise CaseError("study", found, allowed).in_file(self.case.label)
         return records
 
+    def _moved(self, values: Mapping[str, Any], off: Mapping[str, float]) -> dict[str, Any]:
+        """Values of a point with deviations from them, or from the case where they do not vary."""
+        moved = dict(values)
+        for axis in self.scattered:
+            middle, own = axis.mean, values.get(axis.path)
+            if own is not None:
+                number, unit = split_quantity(own) if is_quantity(own) else (float(own), "")
+                middle = from_si(to_si(number, unit), axis.unit) if unit else number
+            moved[axis.path] = axis.written(middle + off[axis.path])
+        return moved
+
     def _cost(self, record: Record) -> float:
         if not record.succeeded:
             return _FAILED
@@ -240,12 +301,32 @@ class _TriedPoints:
         return _FAILED if math.isnan(merit) else -merit if upwards else merit
 
     def violation(self, record: Record) -> float:
-        """Sum of what breaks the constraints, each over the size of its limit. [-]."""
+        """Sum of what breaks the constraints, each over the size of its limit. [-].
+
+        With scatter, what the wanted share of the machines does not exceed.
+        """
         limits = self.study.constraints or {}
-        return sum(limit.violation(record.number(name)) for name, limit in limits.items())
+        broken = [
+            sum(limit.violation(one.number(name)) for name, limit in limits.items())
+            for one in self.groups.get(record.key, [record])
+        ]
+        return float(np.quantile(broken, self.study.quantile, method="higher"))
 
     def merit(self, record: Record) -> float:
-        """Return the objective, or the root mean square of the deviations from targets."""
+        """Return the objective, or the root mean square of the deviations from targets.
+
+        With scatter, what the wanted share of the machines reaches or beats.
+        """
+        merits = np.array([self._merit(one) for one in self.groups.get(record.key, [record])])
+        upwards = self.study.targets is None and self.study.goal == "maximise"
+        merits = np.where(np.isnan(merits), -np.inf if upwards else np.inf, merits)
+        if upwards:
+            found = float(np.quantile(merits, 1.0 - self.study.quantile, method="lower"))
+        else:
+            found = float(np.quantile(merits, self.study.quantile, method="higher"))
+        return found if math.isfinite(found) else math.nan
+
+    def _merit(self, record: Record) -> float:
         if self.study.objective is not None:
             return record.number(self.study.objective)
         deviations = np.array(self._deviations(record))

@@ -254,7 +254,7 @@ class _TriedDesigns:
 
     def __init__(self, case: Case, study: ParetoStudy, context: StudyContext) -> None:
         self.case, self.study, self.context = case, study, context
-        self.axes = axes_of(study.vary, case.label)
+        self.axes = axes_of(study.vary, case.label, case)
         self.rows: list[tuple[Any, ...]] = []
         self.points: list[Point] = []
         self.records: list[Record] = []

@@ -82,7 +82,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, SweepStudy)
-    axes = axes_of(study.vary, case.label)
+    axes = axes_of(study.vary, case.label, case)
     if study.method == "grid":
         rows = grid(axes, case.label)
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.core.keys import KeyTable, choice, declare, integer
+from toothspace.core.errors import CaseError
+from toothspace.core.keys import KeyTable, choice, declare, integer, number, require
 from toothspace.core.types import Array
 from toothspace.plotting.style import (
     BLUE,
@@ -40,9 +42,11 @@ from toothspace.studies.study import (
     StudyTable,
     failed_count,
 )
+from toothspace.studies.surrogate import fit_process
 from toothspace.studies.variation import (
     LIMITS,
     VARY,
+    Axis,
     Limit,
     axes_of,
     check_vary,
@@ -73,10 +77,19 @@ class ToleranceStudy(KeyTable):
         default="rank_correlation",
     )
     limits: Mapping[str, Limit] | None = declare(LIMITS, None)
+    scrap_rate: float | None = number(
+        "Wanted share of machines out of the limits: the factor on all tolerances that gives it is "
+        "found with a surrogate through the samples.",
+        above=0,
+        high=0.5,
+        default=None,
+    )
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
         check_vary(self.vary)
+        if self.scrap_rate is not None:
+            require(self, "with scrap_rate", "limits")
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -98,7 +111,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     assert isinstance(study, ToleranceStudy)
     wanted = {f"study.limits.{name}": name for name in study.limits or {}}
     require_known(wanted, case.label, over_time=case.circuit is not None)
-    axes = axes_of(study.vary, case.label)
+    axes = axes_of(study.vary, case.label, case)
+    if study.scrap_rate is not None:
+        _require_spans(axes, case.label)
     indices = study.sensitivity == "sobol_indices"
     keys = [axis.path for axis in axes]
     dimensions = 2 * len(keys) if indices else len(keys)
@@ -124,6 +139,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     data = points_dataset(axes, rows, records)
     data.attrs["varied"] = " ".join(keys)
     limits = study.limits
+    wanted_scrap: dict[str, Any] = {}
+    tolerances: tuple[StudyTable, ...] = ()
+    if limits and study.scrap_rate is not None:
+        found = allowed_tolerances(axes, rows[: len(plain)], plain, limits, study.scrap_rate)
+        wanted_scrap, tolerances = found
     kinds = list(next(iter(scatter.values()), {}))
     return StudyResult(
         status=status_of(records),
@@ -140,7 +160,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers={
             "points": len(records),
             "points_failed": failed_count(records),
-            **({"share_within_limits": share_within(limits, plain)} if limits else {}),
+            **(scrap(limits, plain) if limits else {}),
+            **wanted_scrap,
             **{kind: {name: found[kind] for name, found in scatter.items()} for kind in kinds},
             **{
                 kind: {
@@ -150,6 +171,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             },
         },
         tables=(
+            *tolerances,
             StudyTable(
                 "scatter",
                 ("result", *next(iter(scatter.values()), {})),
@@ -176,6 +198,133 @@ def share_within(limits: Mapping[str, Limit], records: Sequence[Record]) -> floa
         for record in records
     ]
     return float(np.mean(kept))
+
+
+def scrap(limits: Mapping[str, Limit], records: Sequence[Record]) -> dict[str, Any]:
+    """Share of points out of limits, its interval of 95 %, and the share that breaks each.
+
+    Notes
+    -----
+    A point that failed is scrap. The interval is that of a share counted in independent samples,
+    which those of a Latin hypercube or of a Sobol sequence are not quite: it is rather too wide.
+
+    References
+    ----------
+    .. [1] C. J. Clopper, E. S. Pearson, The use of confidence or fiducial limits illustrated in
+       the case of the binomial, Biometrika 26 (1934) 404-413.
+    """
+    from scipy.stats import binomtest
+
+    within = share_within(limits, records)
+    out = round((1.0 - within) * len(records))
+    interval = binomtest(out, len(records)).proportion_ci(0.95)
+    return {
+        "share_within_limits": within,
+        "scrap_rate": 1.0 - within,
+        "scrap_rate_low": float(interval.low),
+        "scrap_rate_high": float(interval.high),
+        "scrap_by_limit": {
+            name: 1.0 - share_within({name: limit}, records) for name, limit in limits.items()
+        },
+    }
+
+
+_DRAWN = 4096
+"""Machines drawn from the surrogate for one scrap rate."""
+_SMALLEST_FACTOR = 0.01
+
+
+def _require_spans(axes: Sequence[Axis], label: str) -> None:
+    for axis in axes:
+        if axis.values or not math.isfinite(axis.low + axis.high):
+            allowed = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
+            found = "a list, or no limits"
+            raise CaseError(f"study.vary.{axis.path}", found, allowed).in_file(label)
+
+
+def allowed_tolerances(
+    axes: Sequence[Axis],
+    rows: Sequence[Sequence[float]],
+    records: Sequence[Record],
+    limits: Mapping[str, Limit],
+    wanted: float,
+) -> tuple[dict[str, Any], tuple[StudyTable, ...]]:
+    """Tolerances that give a scrap rate, all of them reduced by one factor.
+
+    Parameters
+    ----------
+    rows : sequence
+        Values of the samples. [unit of the axis]
+    records : sequence of Record
+        What they gave.
+    limits : mapping
+        Limits of the numbers.
+    wanted : float
+        Scrap rate. [-]
+
+    Returns
+    -------
+    numbers : dict
+        ``tolerance_factor`` [-], 1 where the tolerances as given have no more scrap than that; the
+        scrap rate of the surrogate with them; its hold-out errors. [unit of each number]
+    tables : tuple of StudyTable
+        Tolerance of each key as given and as allowed.
+
+    Notes
+    -----
+    Machines are drawn with deviations from the middle times the factor. Each limited number is a
+    Gaussian process through the samples, so each machine breaks a limit with a probability, and
+    the scrap rate is the mean of these: an uncertain surrogate cannot promise little scrap. Numbers
+    are taken as independent for one machine.
+    """
+    from scipy.optimize import brentq
+    from scipy.stats import norm
+
+    table = np.asarray(rows, dtype=float)
+    low, high = table.min(axis=0), table.max(axis=0)
+    processes = {}
+    for name in limits:
+        values = np.array([r.number(name) if r.succeeded else np.nan for r in records])
+        known = np.isfinite(values)
+        if known.sum() < 2 * (len(axes) + 1):
+            found = f"{known.sum()} samples with {name}"
+            raise CaseError("study.scrap_rate", found, f"at least {2 * (len(axes) + 1)}")
+        processes[name] = fit_process((table[known] - low) / (high - low), values[known])
+    drawn = np.asarray(values_at(axes, unit_samples(len(axes), "sobol", _DRAWN, 1)))
+    middle = np.array([0.5 * (a.low + a.high) if math.isnan(a.mean) else a.mean for a in axes])
+
+    def rate(factor: float) -> float:
+        points = np.clip(middle + factor * (drawn - middle), low, high)
+        within = np.ones(_DRAWN)
+        for name, limit in limits.items():
+            mean, spread = processes[name].predict((points - low) / (high - low))
+            spread = (
+                np.hypot(spread, processes[name].hold_out_error) + 1e-12 * np.abs(mean) + 1e-300
+            )
+            below = norm.cdf((np.inf if limit.high is None else limit.high) - mean, scale=spread)
+            above = norm.cdf((-np.inf if limit.low is None else limit.low) - mean, scale=spread)
+            within *= below - above
+        return 1.0 - float(np.mean(within))
+
+    as_given, best = rate(1.0), rate(_SMALLEST_FACTOR)
+    if as_given <= wanted:
+        factor = 1.0
+    elif best >= wanted:
+        factor = 0.0
+    else:
+        factor = float(brentq(lambda f: rate(f) - wanted, _SMALLEST_FACTOR, 1.0, xtol=1e-3))
+    half = [0.5 * (axis.high - axis.low) for axis in axes]
+    numbers = {
+        "tolerance_factor": factor,
+        "scrap_rate_of_surrogate": as_given,
+        "hold_out_error": {name: process.hold_out_error for name, process in processes.items()},
+    }
+    lines = tuple(
+        (axis.path, axis.unit or "1", float(mid), float(x), float(factor * x))
+        for axis, mid, x in zip(axes, middle, half, strict=True)
+    )
+    head = ("key", "unit", "middle", "tolerance given", "tolerance allowed")
+    return numbers, (StudyTable("tolerances", head, lines),)
 
 
 PERCENTILES = (5.0, 50.0, 95.0)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -15,14 +15,19 @@ from toothspace.core.keys import Free, KeyTable, Named, QuantityKey, Table, numb
 from toothspace.core.types import Array
 from toothspace.core.units import compatible, from_si, is_quantity, split_quantity, to_si
 
+if TYPE_CHECKING:
+    from toothspace.case import Case
+
 SPEED = QuantityKey(unit="rpm", above=0, high=50000)
 PRESSURE = QuantityKey(unit="bar", above=0, high=1000)
 _LARGEST_COUNT = 10000
 VARY = Named(
     item=Free(),
-    doc="Key paths with a list of values, {from, to, count}, {from, to}, or {mean, deviation}.",
+    doc="Key paths with a list of values, {from, to, count}, {from, to}, {mean, deviation}, or "
+    "{tolerance}: normal round the value of the case, which is six deviations wide and cut there.",
 )
 _FORMS = (
+    {"tolerance"},
     {"from", "to", "count"},
     {"from", "to"},
     {"mean", "deviation"},
@@ -32,6 +37,9 @@ _FORMS = (
 )
 _LARGEST_GRID = 1_000_000
 _LARGEST_DEVIATION = 6.0
+_DEVIATIONS_IN_TOLERANCE = 3.0
+"""Deviations from the middle to the edge of a drawing tolerance: an assumption, a capable process
+whose index Cp is 1."""
 
 
 @final
@@ -77,7 +85,7 @@ def check_vary(vary: Mapping[str, Any]) -> None:
 def check_span(span: Mapping[str, Any], key: str) -> None:
     """Refuse limits that are none, of a key with the path of the message."""
     if set(span) not in _FORMS:
-        allowed = "{from, to, count}, {from, to} or {mean, deviation}"
+        allowed = "{from, to, count}, {from, to}, {mean, deviation} or {tolerance}"
         raise CaseError(key, repr(span), allowed)
     count = span.get("count", 2)
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= _LARGEST_COUNT:
@@ -139,7 +147,7 @@ class Axis:
         return min(max(value, self.low), self.high)
 
 
-def axes_of(vary: Mapping[str, Any], label: str) -> tuple[Axis, ...]:
+def axes_of(vary: Mapping[str, Any], label: str, case: Case | None = None) -> tuple[Axis, ...]:
     """Read the varied keys of a study.
 
     Raises CaseError if units do not fit together or limits are the wrong way round.
@@ -147,12 +155,46 @@ def axes_of(vary: Mapping[str, Any], label: str) -> tuple[Axis, ...]:
     Parameters
     ----------
     vary : mapping of key path to values
-        A list; ``{from, to, count}`` (equal steps), ``{from, to}`` (uniform) or
-        ``{mean, deviation}`` (normal, cut at ``from`` and ``to`` if they are given).
+        A list; ``{from, to, count}`` (equal steps), ``{from, to}`` (uniform),
+        ``{mean, deviation}`` (normal, cut at ``from`` and ``to`` if they are given) or
+        ``{tolerance}`` (normal round the value of the case, cut at plus and minus the tolerance,
+        which is three deviations).
     label : str
         Name of the case file in messages.
+    case : Case, optional
+        Where the values stand that a tolerance is round.
     """
-    return tuple(_axis(path, given, f"{label}: study.vary.{path}") for path, given in vary.items())
+    return tuple(
+        _axis(path, _round_value(path, given, label, case), f"{label}: study.vary.{path}")
+        for path, given in vary.items()
+    )
+
+
+def _round_value(path: str, given: Any, label: str, case: Case | None) -> Any:
+    """Turn a tolerance into the normal distribution round the value of the case."""
+    if not isinstance(given, Mapping) or "tolerance" not in given:
+        return given
+    value = None if case is None else case.value(path)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        found = "a tolerance of a key that has no number in the case"
+        raise CaseError(f"study.vary.{path}", found, "{mean, deviation}").in_file(label)
+    tolerance = given["tolerance"]
+    number, unit = split_quantity(tolerance) if is_quantity(tolerance) else (float(tolerance), "")
+    middle = from_si(float(value), unit) if unit else float(value)
+    if number <= 0.0:
+        raise CaseError(f"study.vary.{path}.tolerance", f"{tolerance!r}", "more than 0").in_file(
+            label
+        )
+
+    def written(x: float) -> Any:
+        return f"{x:.12g} {unit}" if unit else x
+
+    return {
+        "mean": written(middle),
+        "deviation": written(number / _DEVIATIONS_IN_TOLERANCE),
+        "from": written(middle - number),
+        "to": written(middle + number),
+    }
 
 
 def grid(axes: Sequence[Axis], label: str) -> list[tuple[Any, ...]]:

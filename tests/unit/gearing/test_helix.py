@@ -17,6 +17,7 @@ from toothspace.gearing.spaces import section_areas
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.periodic_table import smooth_table
+from toothspace.run.solved_films import with_solved_films
 
 HELICAL = Path(__file__).resolve().parents[3] / "cases" / "helical_pump.toml"
 ANGLE = "machine.gears.helix_angle"
@@ -130,7 +131,41 @@ def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
     with pytest.raises(CaseError, match="tooth_deviations"):
         ts.load_case(HELICAL, ("machine.gears.tooth_deviations=gear.csv",))
     with pytest.raises(CaseError, match="lateral"):
-        ts.simulate(HELICAL, run__fidelity="films")
+        ts.simulate(HELICAL.with_name("continuous_pump.toml"), run__fidelity="films")
+
+
+@pytest.mark.slow
+def test_films_beside_the_gears_are_means_of_faces_that_lead_and_lag() -> None:
+    """Conductances of the section alone, turned by half the twist either way."""
+    helical = machine()
+    assert helical.winding is not None
+    models = {"journal": "closed_form", "lateral": "reynolds"}
+    solved, section = (
+        {p.name: p for p in with_solved_films(m, models=models).paths}
+        for m in (helical, helical.winding.section)
+    )
+    known = {path.name for path in helical.paths}
+    to_recesses = [p for name, p in solved.items() if name not in known and p.phases.size > 1]
+    assert len(to_recesses) == 4
+    half = 0.5 * helical.winding.twist
+    for path in to_recesses:
+        table = path.geometry
+        nodes = table.period * np.arange(table.values.shape[0]) / table.values.shape[0]
+        widths = section[path.name].geometry(np.stack([nodes - half, nodes + half]))[..., 1]
+        assert np.ptp(widths, axis=0).max() > 0.05 * widths.max()
+        np.testing.assert_allclose(
+            table.values[:, 1], widths.mean(axis=0), rtol=1e-9, atol=1e-12 * widths.max()
+        )
+
+
+@pytest.mark.slow
+def test_solved_films_of_helical_gears_keep_the_balances() -> None:
+    numbers = ts.simulate(HELICAL, run__fidelity="films").summary()
+    assert numbers["status"] == "done"
+    assert numbers["mass_balance_error"] < 1e-7
+    assert numbers["energy_balance_error"] < 1e-5
+    closed = solved("right").summary()["volumetric_efficiency"]
+    assert numbers["volumetric_efficiency"] == pytest.approx(closed, abs=1e-3)
 
 
 def test_a_tooth_space_that_joins_both_ports_is_named() -> None:

@@ -48,6 +48,7 @@ def test_a_vanishing_helix_is_a_spur_gear() -> None:
             np.testing.assert_allclose(*areas, atol=1e-5 * largest)
 
 
+@pytest.mark.slow
 def test_volumes_are_those_of_slices_of_one_hand() -> None:
     """The ring leads where the pinion leads: slices of one section, turned together."""
     assembly = assemble(ts.load_case(HELICAL).machine_spec)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import norm
 
 from tests.study_cases import REPOSITORY, Answer, answer, case_with_study
 from toothspace import api
@@ -79,6 +80,43 @@ def test_tolerance_gives_scatter_sensitivity_and_share(calls: list[Case], tmp_pa
     assert study_report_html(result).count("<figure") == 2
 
 
+def test_tolerances_that_give_a_scrap_rate(calls: list[Case], tmp_path: Path) -> None:
+    """Efficiency 1 - 1e-4 c^2 above 0.8689: clearances above 36.207 um are scrap, 35 is meant.
+
+    A tolerance of 6 um is three deviations of 2 um, cut there: the closed form is that of the cut
+    normal distribution.
+    """
+    pytest.importorskip("sklearn")
+    cut, whole = norm.cdf(-3.0), norm.cdf(3.0) - norm.cdf(-3.0)
+    edge = (math.sqrt(1311.0) - 35.0) / 2.0
+    study = f"""
+kind = "tolerance"
+sample_count = 64
+scrap_rate = 0.05
+limits = {{volumetric_efficiency = {{low = 0.8689}}, mean_torque_N_m = {{low = 0.0}}}}
+[study.vary]
+"{CLEARANCE}" = {{tolerance = "6 um"}}
+"fluid.temperature" = {{tolerance = "10 degC"}}
+"""
+    result = run_study(case_with_study(study), tmp_path)
+    numbers = result.numbers
+    expected = (norm.cdf(-edge) - cut) / whole
+    assert numbers["scrap_rate"] == pytest.approx(expected, abs=0.01)
+    assert numbers["scrap_rate_low"] < expected < numbers["scrap_rate_high"]
+    assert numbers["scrap_by_limit"] == {
+        "volumetric_efficiency": numbers["scrap_rate"],
+        "mean_torque_N_m": 0.0,
+    }
+    assert numbers["scrap_rate_of_surrogate"] == pytest.approx(expected, abs=0.005)
+    factor = edge / -norm.ppf(cut + 0.05 * whole)
+    assert numbers["tolerance_factor"] == pytest.approx(factor, rel=0.02)
+    assert numbers["hold_out_error"]["volumetric_efficiency"] < 1e-4
+    line = (tmp_path / "tolerances.csv").read_text().splitlines()[1].split(",")
+    assert [float(x) for x in line[2:]] == pytest.approx([35.0, 6.0, 6.0 * factor], rel=0.02)
+    with pytest.raises(CaseError, match="limits: found nothing"):
+        case_with_study(study.replace("limits", "# limits"))
+
+
 def test_tolerance_with_indices(calls: list[Case]) -> None:
     study = TOLERANCE.replace("= 64", '= 64\nsensitivity = "sobol_indices"\nmethod = "sobol"')
     result = run_study(case_with_study(study))
@@ -128,6 +166,25 @@ def test_evolution_finds_the_constrained_best(calls: list[Case], tmp_path: Path)
     assert result.numbers["at_bounds"] == [SPEED]
     assert len(calls) <= 600
     assert study_report_html(result).count("<figure") == 1
+
+
+def test_a_robust_search_keeps_away_from_the_edge(calls: list[Case]) -> None:
+    """Of clearances with 3 um of tolerance, 9 in 10 keep the limit of 20 um.
+
+    The 90 % quantile of a normal distribution cut at three deviations of 1 um is 1.28 um.
+    """
+    text = 'objective = "mean_flow_L_per_min"\nevaluation_count = 40\nquantile = 0.9\n'
+    text += "constraints = {volumetric_efficiency = {low = 0.96}}\nscatter_count = 11\n"
+    text += f'scatter = {{"{CLEARANCE}" = {{tolerance = "3 um"}}}}'
+    study = "\n".join(line for line in optimise(text).splitlines() if SPEED not in line)
+    result = run_study(case_with_study(study))
+    best = float(result.numbers["best"][CLEARANCE].removesuffix(" um"))
+    assert best == pytest.approx(20.0 - 1.28, abs=0.6)
+    # every machine of a point is a run; a point that comes again is none
+    values = len(np.unique(result.data[CLEARANCE]))
+    assert len(calls) == 11 * values > 11 * 30
+    with pytest.raises(CaseError, match=r"scatter\..*allowed \{tolerance = \.\.\.\}"):
+        case_with_study(optimise(text.replace("tolerance =", "deviation =")))
 
 
 def test_a_search_replays_its_finished_points(calls: list[Case], tmp_path: Path) -> None:

@@ -383,22 +383,24 @@ def solve_faces(
         raise CaseError("film.kind", "'lateral'", "is 'pad' for this machine type")
     pressure = chamber_pressures(description, condition)(setting.shaft_angle)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
+    # of teeth that wind about their axes, the end that leads its chambers
+    lead = 0.0 if description.winding is None else 0.5 * description.winding.twist
     found = [
-        _ring(face, pressure, setting).solve(shaft_speed=ratios[body] * condition.shaft_speed)
+        _ring(face, pressure, setting, lead).solve(shaft_speed=ratios[body] * condition.shaft_speed)
         for body, face in known.items()
     ]
     centers = tuple(face.center for face in known.values())
     return FaceFilms(tuple(known), centers, tuple(found))
 
 
-def _ring(face: FilmFace, pressure: Array, setting: FaceSetting) -> LateralFilm:
+def _ring(face: FilmFace, pressure: Array, setting: FaceSetting, lead: float) -> LateralFilm:
     """Film about one body; the gap is fixed to the opposite face while its edges turn."""
     about_x, about_y = setting.tilt
     x, y = face.center
     polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
     rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
     places = face.places(polar, 0.5 * (rim[1:] + rim[:-1]))
-    node = face.face_map(setting.shaft_angle, *places).node
+    node = face.face_map(setting.shaft_angle + lead, *places).node
     return LateralFilm(
         inner_radius=face.inner_radius,
         outer_radius=face.outer_radius,

@@ -16,7 +16,7 @@ from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.parameters import CrescentParameters
 from toothspace.machines.crescent.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import LumpedLateralFilm, MachineDescription, Winding
+from toothspace.model.description import MachineDescription, Winding
 
 FAMILIES = ("pinion_space", "ring_space")
 
@@ -43,14 +43,11 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
     )
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
-    laterals: tuple[LumpedLateralFilm, ...] = gear_bodies.lateral_films(assembly, numbering)
     helix, section = assembly.helix, (families, paths, contacts)
     if helix is not None:
         families = tuple(helix.family(family) for family in families)
         paths = tuple(helix.path(path) for path in paths)
         contacts = helix.contact(contacts[0]), helix.contact(contacts[1])
-        # films beside helical gears see another section at each face: closed forms serve there
-        laterals = tuple(replace(film, face=None) for film in laterals)
     journals = gear_bodies.journal_bearings(assembly)
     checks = LazySequence(partial(design_checks, assembly, families, paths, journals))
     machine = MachineDescription(
@@ -62,7 +59,7 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         families=families,
         paths=paths,
         journals=journals,
-        laterals=laterals,
+        laterals=gear_bodies.lateral_films(assembly, numbering),
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,

@@ -78,9 +78,9 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         loaded, coast = contacts
         left = assembly.loaded_is_left
         contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
-    # films beside helical gears see another section at each face: closed forms serve there
+    # films beside spaces of two chambers are not mapped: closed forms serve there
     laterals = lateral_films(assembly, numbering)
-    if helix is not None:
+    if cut is not None:
         laterals = tuple(replace(film, face=None) for film in laterals)
     balance = None
     if spec.floating_block is not None and helix is None:
