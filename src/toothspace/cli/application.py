@@ -202,6 +202,7 @@ for _command in (
     fluids,
     pages.app,
     pages.animate,
+    pages.export,
     warmup,
     schema,
 ):

@@ -11,7 +11,8 @@ import typer
 from toothspace.cli import output
 from toothspace.cli.output import NUMERICAL_FAILURE, Force, Json
 from toothspace.core.errors import CaseError
-from toothspace.core.files import require_writable
+from toothspace.core.files import require_writable, write_text
+from toothspace.core.status import Status
 
 _MEASURED = {"shaft_speed": "rpm", "pressure_difference": "bar"}
 """Signals of a measurement that figures can lay over results."""
@@ -108,6 +109,41 @@ def animate(
         write_animation(solution, target, frames, progress)
     output.message(f"Moving picture: {target}")
     return 0 if solution.status.succeeded else NUMERICAL_FAILURE
+
+
+def export(
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT", help="RESULT.nc of a run, or study.nc of a study.")
+    ],
+    target: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="CSV or MAT file.")
+    ],
+    force: Force = False,
+) -> int:
+    """Write a result for other programs: CSV for tables, MAT for MATLAB and Octave."""
+    from toothspace.core.netcdf import read_dataset
+    from toothspace.results.exchange import write_mat
+    from toothspace.results.solution import load_solution
+    from toothspace.studies.study import StudyResult
+
+    written = require_writable(target, "-o", replace=force, endings=(".csv", ".mat"))
+    data = read_dataset(result, "a NetCDF file of a run or study")
+    if "study" not in data.attrs:
+        data = load_solution(result).data
+    if written.suffix == ".mat":
+        write_mat(data, written)
+    elif "study" not in data.attrs:
+        load_solution(result).to_csv(written)
+    else:
+        frame = StudyResult(Status.DONE, data, {}).to_dataframe()
+        units = frame.attrs["units"] | {
+            str(name): str(data[name].attrs.get("units", "1")) for name in frame.index.names
+        }
+        rows = frame.reset_index()
+        heads = [f"{name} [{units.get(str(name), '1')}]" for name in rows.columns]
+        write_text(written, rows.to_csv(index=False, header=heads))
+    output.message(f"Exported: {written}")
+    return 0
 
 
 def validate(
