@@ -295,6 +295,7 @@ def _seated(
     monkeypatch.setattr(run_module, "march_to_balance", march)
     monkeypatch.setattr(run_module, "first_turn_state", lambda history: None)
     monkeypatch.setattr(run_module, "flow_regimes", lambda history: ())
+    monkeypatch.setattr(run_module, "running_in_depths", lambda history: {})
     monkeypatch.setattr(run_module, "solution_from", solution)
     machine = replace(run.machine, lateral_table=one_node())
     return replace(run, machine=machine).march(), seats
