@@ -128,12 +128,11 @@ def export(
 
     written = require_writable(target, "-o", replace=force, endings=(".csv", ".mat"))
     data = read_dataset(result, "a NetCDF file of a run or study")
-    if "study" not in data.attrs:
-        data = load_solution(result).data
+    solution = None if "study" in data.attrs else load_solution(result)
     if written.suffix == ".mat":
-        write_mat(data, written)
-    elif "study" not in data.attrs:
-        load_solution(result).to_csv(written)
+        write_mat(data if solution is None else solution.data, written)
+    elif solution is not None:
+        solution.to_csv(written)
     else:
         frame = StudyResult(Status.DONE, data, {}).to_dataframe()
         units = frame.attrs["units"] | {

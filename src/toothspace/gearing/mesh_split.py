@@ -137,20 +137,19 @@ def starting_places(
         along = min(max(ahead, -0.5 * before), 0.5 * after)
         apart[j] = np.sqrt((x - xs[i] - along * dx) ** 2 + (y - ys[i] - along * dy) ** 2)
     least = np.min(apart)
-    parts = _PARTS
-    reach = np.full(parts * (m - 1) + 3, 1e300)
+    reach = np.full(_PARTS * (m - 1) + 3, 1e300)
     place, across = np.empty(reach.size), np.empty(reach.size)
     for j in range(m - 1):
         step = second.knots[j + 1] - second.knots[j]
         if 0.5 * (apart[j] + apart[j + 1] - step) > least:
             continue
-        for k in range(parts + 1):
-            row = parts * j + k + 1
+        for k in range(_PARTS + 1):
+            row = _PARTS * j + k + 1
             if reach[row] < 1e300:
                 continue
-            across[row] = second.knots[j] + step * k / parts
+            across[row] = second.knots[j] + step * k / _PARTS
             x, y = placed_point(second, at_second, across[row])
-            i = near[j] if 2 * k <= parts else near[j + 1]
+            i = near[j] if 2 * k <= _PARTS else near[j + 1]
             place[row] = project(first, at_first, x, y, first.knots[i])
             px, py = placed_point(first, at_first, place[row])
             reach[row] = np.sqrt((x - px) ** 2 + (y - py) ** 2)
@@ -267,18 +266,25 @@ def _closest_from(
 
 
 @inlined
+def _normal(
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement, pair: Closest
+) -> tuple[float, float]:
+    # from the first flank to the second one, of that which does not end there in its corner
+    if pair.mode != FIRST_AT_CORNER:
+        return _outward(first, at_first, pair.first)
+    x, y = _outward(second, at_second, pair.second)
+    return -x, -y
+
+
+@inlined
 def _signed_distance(
     first: Flank, at_first: Placement, second: Flank, at_second: Placement, pair: Closest
 ) -> float:
     # negative where the flanks overlap; points on the far sides of two teeth are no overlap
     px, py = placed_point(first, at_first, pair.first)
     qx, qy = placed_point(second, at_second, pair.second)
-    if pair.mode == FIRST_AT_CORNER:
-        mx, my = _outward(second, at_second, pair.second)
-        along = -(qx - px) * mx - (qy - py) * my
-    else:
-        nx, ny = _outward(first, at_first, pair.first)
-        along = (qx - px) * nx + (qy - py) * ny
+    nx, ny = _normal(first, at_first, second, at_second, pair)
+    along = (qx - px) * nx + (qy - py) * ny
     reach = np.sqrt((qx - px) ** 2 + (qy - py) ** 2)
     return -reach if along < 0.0 and reach <= _OVERLAP else reach
 
@@ -545,11 +551,7 @@ def _signed_gap(
     first, second = _placements(drive, mesh, angle)
     gx, gy = ends.x2 - ends.x1, ends.y2 - ends.y1
     reach = np.sqrt(gx * gx + gy * gy)
-    if near.mode != FIRST_AT_CORNER:
-        nx, ny = _outward(drive, first, near.first)
-    else:
-        mx, my = _outward(driven, second, near.second)
-        nx, ny = -mx, -my
+    nx, ny = _normal(drive, first, driven, second, near)
     if ends.weight >= 1.0 and near.mode == FREE:
         return gx * nx + gy * ny, nx, ny
     if reach < 1e-12:

@@ -17,13 +17,10 @@ from toothspace.core.keys import (
     declare,
     flag,
     integer,
-    number,
-    quantity,
     suggestion,
     text,
 )
 from toothspace.core.status import Status
-from toothspace.core.units import to_si
 from toothspace.plotting.style import (
     BLUE,
     ORANGE,
@@ -35,7 +32,16 @@ from toothspace.plotting.style import (
 )
 from toothspace.results.variables import unit_of
 from toothspace.studies.study import Row, Study, StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import LIMITS, VARY, Limit, axes_of, check_vary, unit_samples
+from toothspace.studies.variation import (
+    ADDENDUM,
+    DISPLACEMENT,
+    LIMITS,
+    VARY,
+    Limit,
+    axes_of,
+    check_vary,
+    unit_samples,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,20 +60,8 @@ class DesignScanStudy(KeyTable):
     design_rules: bool = flag(
         "Whether a best design must keep the design rules of the geometry report.", default=True
     )
-    addendum: float | None = number(
-        "Height of the teeth above the shifted reference line, in modules, from which tip "
-        "diameters follow; default those of the case.",
-        low=0.5,
-        high=2.0,
-        default=None,
-    )
-    displacement: float | None = quantity(
-        "cm^3/rev",
-        "Geometric displacement for which the face width of each design is chosen.",
-        above=0,
-        high=10000,
-        default=None,
-    )
+    addendum: float | None = declare(ADDENDUM, None)
+    displacement: float | None = declare(DISPLACEMENT, None)
     sample_count: int = integer("Number of designs.", low=2, high=10**7, default=100_000)
     method: str = choice("How points are placed.", "latin_hypercube", "sobol", default="sobol")
     best_count: int = integer("Designs in the table of the best.", low=1, high=1000, default=20)
@@ -105,10 +99,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         except ValueError as error:
             allowed = "numbers, or texts with a unit"
             raise CaseError(f"study.vary.{axis.path}", "words", allowed) from error
-    varied = {
-        axis.path: column * (to_si(1.0, axis.unit) if axis.unit else 1.0)
-        for axis, column in zip(axes, columns, strict=True)
-    }
+    varied = {axis.path: axis.si(column) for axis, column in zip(axes, columns, strict=True)}
     designs = api.evaluate_designs(
         case, varied, addendum=study.addendum, displacement=study.displacement
     )
@@ -122,9 +113,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.label}: study.vary: found no possible design ({against})")
     kept = designs.keeps_rules if study.design_rules else designs.valid
     for name, limit in (study.constraints or {}).items():
-        low = -np.inf if limit.low is None else limit.low
-        high = np.inf if limit.high is None else limit.high
-        kept = kept & (designs[name] >= low) & (designs[name] <= high)
+        kept = kept & limit.keeps(designs[name])
     sign = -1.0 if study.goal == "maximise" else 1.0
     merit = np.where(kept, sign * designs[study.objective], np.inf)
     best = np.argsort(merit, kind="stable")[: min(study.best_count, int(kept.sum()))].tolist()

@@ -285,7 +285,7 @@ def _dataset(study: NoiseStudy, names: Sequence[str], records: Sequence[Record])
     radiators = [*(r for r in RADIATORS if r != "plate" or study.plate is not None), _ALL]
     plain = [structure.bands(forces, weighted=False) for forces in sources]
     weighted = [structure.bands(forces, weighted=True) for forces in sources]
-    level = structure.levels(sources)
+    level = np.asarray(sound_power_level(np.array([found[_ALL].sum() for found in weighted])))
     ripples = [_complex(record.numbers["ripple"])["ripple"] for record in records]
     by_design: dict[str, tuple[Any, str]] = {
         "sound_power_level_dBA": (level, "dB"),

@@ -27,7 +27,6 @@ from toothspace.core.keys import (
 )
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.core.units import from_si, is_quantity, split_quantity, to_si
 from toothspace.plotting.style import (
     BLUE,
     GREY,
@@ -61,6 +60,7 @@ from toothspace.studies.variation import (
     Limit,
     axes_of,
     check_vary,
+    number_in,
     unit_samples,
     values_at,
     written_values,
@@ -251,18 +251,9 @@ class _TriedPoints:
         points += [
             point(self.case, self._moved(one, off)) for one in given for off in self.deviations
         ]
-        report, done = self.context.progress, len(self.records)
-        total = self.study.evaluation_count
-        if report is None:
-            context = self.context
-        else:
-
-            def progress(_share: float, text: str) -> None:
-                best = self.best()
-                shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
-                report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
-
-            context = StudyContext(progress, self.context.workers, self.context.records)
+        best, tried = self.best(), len(self.records)
+        shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
+        context = self.context.counted(tried, self.study.evaluation_count, f"{tried} tried{shown}")
         evaluated = evaluate_points(points, context)
         records, others = evaluated[: len(rows)], evaluated[len(rows) :]
         for k, record in enumerate(records):
@@ -284,10 +275,8 @@ class _TriedPoints:
         """Values of a point with deviations from them, or from the case where they do not vary."""
         moved = dict(values)
         for axis in self.scattered:
-            middle, own = axis.mean, values.get(axis.path)
-            if own is not None:
-                number, unit = split_quantity(own) if is_quantity(own) else (float(own), "")
-                middle = from_si(to_si(number, unit), axis.unit) if unit else number
+            own = values.get(axis.path)
+            middle = axis.mean if own is None else number_in(own, axis.unit)
             moved[axis.path] = axis.written(middle + off[axis.path])
         return moved
 

@@ -21,13 +21,10 @@ from toothspace.core.keys import (
     declare,
     flag,
     integer,
-    number,
-    quantity,
     suggestion,
 )
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
-from toothspace.core.units import to_si
 from toothspace.plotting.section import recess_outlines, turned_section
 from toothspace.plotting.style import (
     BLUE,
@@ -61,6 +58,8 @@ from toothspace.studies.study import (
     failed_count,
 )
 from toothspace.studies.variation import (
+    ADDENDUM,
+    DISPLACEMENT,
     LIMITS,
     VARY,
     Limit,
@@ -118,20 +117,8 @@ class ParetoStudy(KeyTable):
         "Whether a design must keep the design rules of the geometry report to be run.",
         default=True,
     )
-    addendum: float | None = number(
-        "Height of the teeth above the shifted reference line, in modules, from which tip "
-        "diameters follow; default those of the case.",
-        low=0.5,
-        high=2.0,
-        default=None,
-    )
-    displacement: float | None = quantity(
-        "cm^3/rev",
-        "Geometric displacement for which the face width of each design is chosen.",
-        above=0,
-        high=10000,
-        default=None,
-    )
+    addendum: float | None = declare(ADDENDUM, None)
+    displacement: float | None = declare(DISPLACEMENT, None)
     drawn_designs: int = integer(
         "Designs of the front whose sections are drawn.", low=0, high=24, default=6
     )
@@ -292,8 +279,7 @@ class _TriedDesigns:
                 raise CaseError("study", found, allowed).in_file(self.case.label)
             return None
         columns = {
-            axis.path: np.array([row[k] for row in rows], dtype=float)
-            * (to_si(1.0, axis.unit) if axis.unit else 1.0)
+            axis.path: axis.si(np.array([row[k] for row in rows], dtype=float))
             for k, axis in enumerate(self.axes)
             if axis.path in self.kinematic_keys
         }
@@ -311,7 +297,7 @@ class _TriedDesigns:
         assert designs is not None
         kept = designs.keeps_rules if self.study.design_rules else designs.valid
         for name, limit in self.early.items():
-            kept = kept & np.array([limit.violation(x) == 0.0 for x in designs[name].tolist()])
+            kept = kept & limit.keeps(designs[name])
         if not kept.any():
             against = [f"{text}: {n}" for text, n in designs.counts().items()]
             against += [f"{name} out of its limits" for name in self.early]
@@ -347,7 +333,9 @@ class _TriedDesigns:
         rows, points, early, known = rows[:size], points[:size], early[:size], known[:size]
         asked = [p for p, record in zip(points, early, strict=True) if record is None]
         self.run_count += len(asked)
-        found = iter(evaluate_points(asked, self._context()))
+        done = f"{self.run_count} run, {len(self.front())} on the front"
+        context = self.context.counted(self.run_count, self.study.evaluation_count, done)
+        found = iter(evaluate_points(asked, context))
         for item, row, record, numbers in zip(points, rows, early, known, strict=True):
             ran = record or next(found)
             merged = ran if record else replace(ran, numbers={**numbers, **ran.numbers})
@@ -355,24 +343,10 @@ class _TriedDesigns:
             self.rows.append(row)
             self.records.append(merged)
             self.violations.append(self._violation(merged))
-        self._require_results()
         start = len(self.records) - len(rows)
+        self._require_results(self.records[start:])
         merits = [self._merits(record) for record in self.records[start:]]
         return np.array(merits), np.array(self.violations[start:])
-
-    def _context(self) -> StudyContext:
-        report, done = self.context.progress, self.run_count
-        if report is None:
-            return self.context
-
-        def progress(_share: float, text: str) -> None:
-            front = len(self.front())
-            report(
-                min(done / self.study.evaluation_count, 1.0),
-                f"{text}, {done} run, {front} on the front",
-            )
-
-        return StudyContext(progress, self.context.workers, self.context.records)
 
     def _against(self, designs: EvaluatedDesigns, k: int, numbers: Mapping[str, float]) -> str:
         """What is against a design before any run, in words; empty if nothing is."""
@@ -381,9 +355,9 @@ class _TriedDesigns:
         broken = [n for n, limit in self.early.items() if limit.violation(numbers[n]) > 0.0]
         return "; ".join(f"not run: {n} = {numbers[n]:.4g} breaks its limit" for n in broken)
 
-    def _require_results(self) -> None:
+    def _require_results(self, records: Sequence[Record]) -> None:
         wanted = (*self.study.objectives, *(self.study.constraints or {}))
-        for record in self.records:
+        for record in records:
             missing = [name for name in wanted if name not in record.numbers]
             if record.succeeded and missing:
                 allowed = suggestion(missing[0], record.numbers)

@@ -161,6 +161,17 @@ class StudyContext:
     records: Records = field(default_factory=Records)
     """Finished points."""
 
+    def counted(self, done: int, budget: int, known: str) -> StudyContext:
+        """Return it with progress that counts points against a budget and tells what is known."""
+        report = self.progress
+        if report is None:
+            return self
+
+        def progress(_share: float, text: str) -> None:
+            report(min(done / budget, 1.0), f"{text}, {known}")
+
+        return StudyContext(progress, self.workers, self.records)
+
 
 @final
 @dataclass(frozen=True)

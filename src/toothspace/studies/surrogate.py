@@ -15,8 +15,9 @@ from toothspace.core.files import write_text
 from toothspace.core.keys import suggestion
 from toothspace.core.netcdf import read_dataset
 from toothspace.core.types import Array
-from toothspace.core.units import compatible, from_si, is_quantity, split_quantity, to_si
+from toothspace.core.units import compatible, is_quantity, split_quantity
 from toothspace.plotting.style import MAIN_NUMBERS
+from toothspace.studies.variation import number_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -329,9 +330,6 @@ def _dataset(study: str | Path | xr.Dataset) -> xr.Dataset:
 
 def _in_unit(value: Any, unit: str) -> float:
     """Number of a value in the unit of a key."""
-    if not is_quantity(value):
-        return float(value)
-    number, given = split_quantity(value)
-    if not compatible(given, unit):
+    if is_quantity(value) and not compatible(split_quantity(value)[1], unit):
         raise CaseError("surrogate", f"{value!r}", f"a value in {unit}")
-    return number if given == unit else from_si(to_si(number, given), unit)
+    return number_in(value, unit)

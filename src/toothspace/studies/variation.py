@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import Free, KeyTable, Named, QuantityKey, Table, number
-from toothspace.core.types import Array
+from toothspace.core.keys import Free, KeyTable, Named, Number, QuantityKey, Table, number
+from toothspace.core.types import Array, BoolArray
 from toothspace.core.units import compatible, from_si, is_quantity, split_quantity, to_si
 
 if TYPE_CHECKING:
@@ -25,6 +25,18 @@ VARY = Named(
     item=Free(),
     doc="Key paths with a list of values, {from, to, count}, {from, to}, {mean, deviation}, or "
     "{tolerance}: normal round the value of the case, which is six deviations wide and cut there.",
+)
+ADDENDUM = Number(
+    doc="Height of the teeth above the shifted reference line, in modules, from which tip "
+    "diameters follow; default those of the case.",
+    low=0.5,
+    high=2.0,
+)
+DISPLACEMENT = QuantityKey(
+    unit="cm^3/rev",
+    doc="Geometric displacement for which the face width of each design is chosen.",
+    above=0,
+    high=10000,
 )
 _FORMS = (
     {"tolerance"},
@@ -64,6 +76,12 @@ class Limit(KeyTable):
         high = math.inf if self.high is None else self.high
         size = max(abs(x) for x in (self.low, self.high) if x is not None) or 1.0
         return max(low - value, value - high, 0.0) / size
+
+    def keeps(self, values: Array) -> BoolArray:
+        """Whether values lie inside; NaN does not. [-]."""
+        low = -math.inf if self.low is None else self.low
+        high = math.inf if self.high is None else self.high
+        return np.asarray((values >= low) & (values <= high))
 
 
 LIMITS = Named(item=Table(spec=Limit), doc="Names of summary numbers with low, high or both.")
@@ -122,6 +140,10 @@ class Axis:
     """Of a normal distribution, NaN for a uniform one. [unit]"""
     whole: bool = False
     """Whether only whole numbers are meant."""
+
+    def si(self, numbers: Array) -> Array:
+        """Numbers of the axis in SI units."""
+        return numbers * (to_si(1.0, self.unit) if self.unit else 1.0)
 
     def written(self, number: Any) -> Any:
         """Return a value of the axis as it would stand in a case file."""
@@ -252,6 +274,14 @@ def written_values(axes: Sequence[Axis], row: Sequence[Any]) -> dict[str, Any]:
     return {axis.path: axis.written(value) for axis, value in zip(axes, row, strict=True)}
 
 
+def number_in(value: Any, unit: str) -> float:
+    """Number of a value in a unit: of a text with unit, or a number that is in it already."""
+    if not is_quantity(value):
+        return float(value)
+    number, given = split_quantity(value)
+    return number if given == unit else from_si(to_si(number, given), unit)
+
+
 def _axis(path: str, given: Any, where: str) -> Axis:
     if isinstance(given, tuple):
         numbers, unit = _numbers(given, where)
@@ -292,4 +322,4 @@ def _numbers(given: Sequence[Any], where: str) -> tuple[list[Any], str]:
     for value, (_, other) in zip(given, pairs, strict=True):
         if not compatible(other, unit):
             raise CaseError(where, f"{value!r}", f"a value in {unit} or alike")
-    return [n if other == unit else from_si(to_si(n, other), unit) for n, other in pairs], unit
+    return [number_in(value, unit) for value in given], unit

@@ -496,14 +496,15 @@ def _result(
     data = data.assign(
         {name: ("hours", np.asarray(v), {"units": unit_of(name)}) for name, v in worn.items()}
     )
+    # over the hours, at the first point of the duty cycle
     series = {
-        str(name): np.asarray(data[name])
+        str(name): np.asarray(data[name]).reshape(len(hours), -1)[:, 0]
         for name in data.data_vars
         if data[name].dtype.kind == "f" and name not in NOT_A_RESULT
     }
     limits = study.limits or {}
     lives = {
-        name: crossing(hours, values if values.ndim == 1 else values[:, 0], limits[name])
+        name: crossing(hours, values, limits[name])
         for name, values in series.items()
         if name in limits
     }
@@ -519,19 +520,16 @@ def _result(
         "points": len(records),
         "hours_h": hours,
         **worn,
-        **{name: v[:, 0].tolist() for name, v in series.items() if name not in worn},
+        **{name: v.tolist() for name, v in series.items() if name not in worn},
         "limits_reached_h": reached,
     }
     if first:
         numbers |= {"life_h": reached[first], "life_ended_by": first}
-        at = {
-            name: float(np.interp(reached[first], hours, v if v.ndim == 1 else v[:, 0]))
-            for name, v in series.items()
-        }
+        at = {name: float(np.interp(reached[first], hours, v)) for name, v in series.items()}
         numbers["at_end_of_life"] = {name: at[name] for name in (*worn, *_SHOWN) if name in at}
     shown = [name for name in _SHOWN if name in series]
     columns = {"hours (h)": hours} | {axis_title(name): worn[name] for name in worn}
-    columns |= {axis_title(name): series[name][:, 0].tolist() for name in shown}
+    columns |= {axis_title(name): series[name].tolist() for name in shown}
     state = status_of(records)
     if state is Status.DONE and len(found) < wanted:
         state = Status.POINTS_FAILED
