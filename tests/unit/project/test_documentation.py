@@ -176,6 +176,11 @@ def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
             for name in words[1:3]:
                 assert cli.main(["run", str(run), "-o", name]) == 0
             assert cli.main(words) == 0
+        elif words[0] == "export" and words[1] == "map/study.nc":
+            few = ['study.shaft_speed=["1500 rpm"]', 'study.pressure_difference=["100 bar"]']
+            given = [word for one in few for word in ("--set", one)]
+            assert cli.main(["study", "efficiency_map_egm12", "-o", "map", *given]) == 0
+            assert cli.main(words) == 0
         elif words[0] != "warmup":
             assert cli.main([*words, *(["--force"] if " ".join(words) in done else [])]) == 0, words
         done.add(" ".join(words))
