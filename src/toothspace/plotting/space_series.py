@@ -49,7 +49,7 @@ _FILM_FIELDS = (
 
 @final
 @dataclass(frozen=True)
-class _Grid:
+class _SpaceGrid:
     """Cells of one kind with values; arrays that a later state shares are written once."""
 
     points: Array
@@ -109,9 +109,9 @@ def write_space_series(
         raise CaseError("result", "a machine of unknown face width", "one that tells face_width_mm")
     samples = data["shaft_speed"].sizes[data["shaft_speed"].dims[0]]
     chosen = np.unique(np.linspace(0, samples - 1, min(frames, samples)).round().astype(int))
-    states = _States(description, data, chosen)
+    states = _SpaceStates(description, data, chosen)
     drawing = part(progress, "drawing")
-    blocks: dict[str, dict[str, list[_Grid]]] = {
+    blocks: dict[str, dict[str, list[_SpaceGrid]]] = {
         "bodies": {body.name: states.body(k) for k, body in enumerate(description.bodies)},
         "fluid": {port: states.port(port) for port in ("inlet", "outlet")},
         "films": {name: [film] * chosen.size for name, film in _films(data, states.levels)},
@@ -128,7 +128,7 @@ def write_space_series(
 
 
 @final
-class _States:
+class _SpaceStates:
     """A machine at chosen samples of its result."""
 
     def __init__(self, description: MachineDescription, data: xr.Dataset, chosen: Array) -> None:
@@ -146,7 +146,7 @@ class _States:
         """Shaft angles by which sections lead that of the middle. [rad]."""
         return np.asarray(self.lead * (levels - 0.5 * self.width))
 
-    def body(self, number: int) -> list[_Grid]:
+    def body(self, number: int) -> list[_SpaceGrid]:
         """Solid of a body in all states."""
         body = self.description.bodies[number]
         corners, triangles = _triangles(turned_section(self.description, body, 0.0))
@@ -156,7 +156,7 @@ class _States:
             points = _turned(corners, body, angle + self.leads(self.levels))
             points = np.concatenate([points, np.repeat(self.levels, len(corners))[:, None]], axis=1)
             moved = np.broadcast_to(self._displacement(number, k), points.shape)
-            grids.append(_Grid(points, cells, _WEDGE, {}, {"displacement": moved}))
+            grids.append(_SpaceGrid(points, cells, _WEDGE, {}, {"displacement": moved}))
         return grids
 
     def _displacement(self, body: int, state: int) -> Array:
@@ -166,7 +166,7 @@ class _States:
             found[: given.size] = given
         return found
 
-    def chambers(self) -> Iterator[_Grid]:
+    def chambers(self) -> Iterator[_SpaceGrid]:
         """Fluid of the chambers, state by state."""
         import shapely
 
@@ -196,26 +196,26 @@ class _States:
                 for name in names
             }
             points, cells = map(np.concatenate, zip(*parts, strict=True))
-            yield _Grid(points, cells, _WEDGE, {"chamber": owner, **values})
+            yield _SpaceGrid(points, cells, _WEDGE, {"chamber": owner, **values})
 
-    def port(self, port: str) -> list[_Grid]:
+    def port(self, port: str) -> list[_SpaceGrid]:
         """Fluid of a port in all states."""
         grid = self._prism(port_region(self.description, port))
         pressures = np.asarray(self.data[f"{port}_pressure"])
         count = len(grid.cells)
         return [
-            _Grid(grid.points, grid.cells, _WEDGE, {"pressure": np.full(count, pressure)})
+            _SpaceGrid(grid.points, grid.cells, _WEDGE, {"pressure": np.full(count, pressure)})
             for pressure in pressures
         ]
 
-    def casing(self) -> _Grid:
+    def casing(self) -> _SpaceGrid:
         """Wall round the machine and what stands in it."""
         return self._prism(housing_region(self.description).union(fixed_parts(self.description)))
 
-    def _prism(self, region: Any) -> _Grid:
+    def _prism(self, region: Any) -> _SpaceGrid:
         corners, triangles = _triangles(region.simplify(_DRAWN_ERROR))
         points = _prisms(corners, self.levels[[0, -1]])
-        return _Grid(points, _wedges(triangles, len(corners), 1), _WEDGE)
+        return _SpaceGrid(points, _wedges(triangles, len(corners), 1), _WEDGE)
 
 
 def _turned(corners: Array, body: Body, angles: Array) -> Array:
@@ -252,7 +252,7 @@ def _wedges(triangles: Array, count: int, layers: int) -> Array:
     return np.asarray(np.concatenate([low, low + count], axis=2).reshape(-1, 6))
 
 
-def _films(data: xr.Dataset, levels: Array) -> Iterator[tuple[str, _Grid]]:
+def _films(data: xr.Dataset, levels: Array) -> Iterator[tuple[str, _SpaceGrid]]:
     """Films beside the bodies on the face that they lubricate; cells without a film left out."""
     if "film_height" not in data or "film_radius" not in data:
         return
@@ -275,10 +275,10 @@ def _films(data: xr.Dataset, levels: Array) -> Iterator[tuple[str, _Grid]]:
             for field in _FILM_FIELDS
             if field in data
         }
-        yield f"film_{name}", _Grid(points, cells.reshape(-1, 4)[wet], _QUAD, values)
+        yield f"film_{name}", _SpaceGrid(points, cells.reshape(-1, 4)[wet], _QUAD, values)
 
 
-def _vtkhdf(blocks: Mapping[str, Mapping[str, list[_Grid]]], times: Array) -> bytes:
+def _vtkhdf(blocks: Mapping[str, Mapping[str, list[_SpaceGrid]]], times: Array) -> bytes:
     """File of a collection of grids over time."""
     import h5py
 
@@ -307,7 +307,7 @@ def _mark(group: Any, kind: str) -> None:
     group.attrs.create("Type", np.bytes_(kind))
 
 
-def _write_block(group: Any, states: list[_Grid], times: Array) -> None:
+def _write_block(group: Any, states: list[_SpaceGrid], times: Array) -> None:
     """One grid over time: arrays one after the other, and where those of each state begin."""
     fixed = all(state.cells is states[0].cells for state in states)
     shapes = states[:1] if fixed else states
