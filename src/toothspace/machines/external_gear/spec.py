@@ -400,10 +400,12 @@ class LateralParameters(SideGapParameters):
         "Change of height at the tip radius over the mean height.", low=0, high=0.99, default=0.0
     )
     arrangement: str = choice(
-        "Floating bushings on both sides, on one side, or plates.",
+        "Floating bushings on both sides, on one side, plates, or bushings that rest with the "
+        "gears free between them.",
         "symmetric",
         "asymmetric",
         "plates",
+        "fixed",
         default="symmetric",
     )
 
@@ -550,7 +552,8 @@ class ExternalGearTables(MachineTables):
     def missing_floating_part(self) -> str:
         """Message about what the balance of the floating bearing would need; empty if given."""
         bearing = self.floating_bearing
-        if bearing is not None and bearing.high_pressure_area is not None:
+        fixed = self.lateral.arrangement == "fixed"
+        if bearing is not None and (fixed or bearing.high_pressure_area is not None):
             return ""
         return (
             "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
@@ -591,7 +594,7 @@ class FloatingBlock:
     length: float
     """Axial length. [m]"""
     arrangement: str = "asymmetric"
-    """``symmetric``, ``asymmetric`` or ``plates``."""
+    """``symmetric``, ``asymmetric``, ``plates`` or ``fixed``."""
     high_pressure_contour: Array | None = None
     nose_contour: Array | None = None
     """Outlines on the back face from files. Shape (points, 2). [m]"""
@@ -613,6 +616,8 @@ class FloatingBlock:
 
     def is_floating(self, side: str) -> bool:
         """Whether the bearing on a side is pressed on its back and held by nothing else."""
+        if self.arrangement == "fixed":
+            return False
         return side == "floating" or self.arrangement != "asymmetric"
 
 
