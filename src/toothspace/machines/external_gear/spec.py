@@ -35,7 +35,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
     ReliefGrooves,
 )
-from toothspace.gearing.helix import GENERATED, HelicalGearParameters, Helix
+from toothspace.gearing.helix import ALIKE, HelicalGearParameters, Helix
 from toothspace.gearing.materials import Material
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.geometry.continuous_contact import FAMILIES, ContinuousGear, Family
@@ -176,7 +176,9 @@ class GearParameters(HelicalGearParameters):
         else:
             forbid(self, "with involute teeth", "tip_land", "root_clearance")
         if self.helix_angle > 0.0:
-            forbid(self, GENERATED, "tooth_deviations")
+            forbid(self, ALIKE, "tooth_deviations")
+            if self.profile_teeth == "own":
+                raise CaseError("profile_teeth", "'own'", f"'equal' {ALIKE}")
         if self.profile_teeth == "own":
             require(self, 'with profile_teeth = "own"', "profile")
             forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
@@ -653,8 +655,10 @@ class ExternalGearSpec:
     @property
     def helix(self) -> Helix | None:
         """How the teeth wind about the axes; None for spur gears."""
-        gears = self.keys.gears
-        return gears.helix(self.drive.face_width, flanks_in_turn=gears.is_continuous)
+        gears, tooth = self.keys.gears, self.drive.tooth
+        profile = tooth if gears.profile and isinstance(tooth, GearProfile) else None
+        width = self.drive.face_width
+        return gears.helix(width, profile, flanks_in_turn=gears.is_continuous)
 
     @property
     def continuous(self) -> ContinuousGear | None:
