@@ -116,20 +116,28 @@ def export(
         Path, typer.Argument(metavar="RESULT", help="RESULT.nc of a run, or study.nc of a study.")
     ],
     target: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="CSV or MAT file.")
+        Path, typer.Option("-o", "--output", metavar="FILE", help="CSV, MAT or VTKHDF file.")
     ],
+    frames: Annotated[int, typer.Option(min=1, max=7200, help="States of a VTKHDF file.")] = 121,
     force: Force = False,
 ) -> int:
-    """Write a result for other programs: CSV for tables, MAT for MATLAB and Octave."""
+    """Write a result for other programs: CSV for tables, MAT for MATLAB, VTKHDF for ParaView."""
     from toothspace.core.netcdf import read_dataset
     from toothspace.results.exchange import write_mat
     from toothspace.results.solution import load_solution
     from toothspace.studies.study import StudyResult
 
-    written = require_writable(target, "-o", replace=force, endings=(".csv", ".mat"))
+    written = require_writable(target, "-o", replace=force, endings=(".csv", ".mat", ".vtkhdf"))
     data = read_dataset(result, "a NetCDF file of a run or study")
     solution = None if "study" in data.attrs else load_solution(result)
-    if written.suffix == ".mat":
+    if written.suffix == ".vtkhdf":
+        if solution is None:
+            raise CaseError("-o", "a study for '.vtkhdf'", "the result of a run")
+        from toothspace.plotting.space_series import write_space_series
+
+        with output.progress(f"{result.stem}:") as progress:
+            write_space_series(solution, written, frames, progress)
+    elif written.suffix == ".mat":
         write_mat(data if solution is None else solution.data, written)
     elif solution is not None:
         solution.to_csv(written)
