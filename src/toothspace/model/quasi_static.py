@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toothspace.closures.gap_flow import (
@@ -56,8 +58,9 @@ def quasi_static_pressures(
             law = _GAP_LAWS[path.kind]
             one = np.asarray(law(height, width, np.maximum(geometry[..., 2], 1e-9), 1.0))
         conductance = path.multiplicity * one
-        np.add.at(matrix, (..., path.nodes_a, path.nodes_b), conductance)
-        np.add.at(matrix, (..., path.nodes_b, path.nodes_a), conductance)
+        for ends in (path.nodes_a, path.nodes_b), (path.nodes_b, path.nodes_a):
+            cells: Any = (..., *ends)
+            np.add.at(matrix, cells, conductance)
     chambers = description.chamber_count
     ports = condition.port_pressures(description.drain)
     inside, outside = matrix[..., :chambers, :chambers], matrix[..., :chambers, chambers:]
@@ -92,7 +95,7 @@ def bush_positions(
 
 def mean_force(description: MachineDescription, condition: OperatingCondition) -> Array:
     """Mean generalised force of quasi-static pressures on every micro-motion. [N] or [N m]."""
-    shaft_angle = np.arange(_ANGLES) * _ANGLE_STEP
+    shaft_angle = _ANGLE_STEP * np.arange(_ANGLES, dtype=float)
     pressure = quasi_static_pressures(description, condition, shaft_angle)
     total, start = np.zeros(len(description.motions)), 0
     for family in description.families:
