@@ -27,7 +27,8 @@ class Trace:
     """Functions of the package that were called, and the deepest way to the integrator."""
 
     def __init__(self) -> None:
-        self.functions: set[tuple[str, str, int]] = set()
+        self.functions: Counter[tuple[str, str, int]] = Counter()
+        """How often each was called."""
         self.met: set[tuple[str, str, int]] = set()
         """Those that are called outside imports, too."""
         self.way: list[str] = []
@@ -42,7 +43,7 @@ class Trace:
             return
         file = Path(code.co_filename).relative_to(PACKAGE).as_posix()
         function = file, code.co_qualname, code.co_firstlineno
-        self.functions.add(function)
+        self.functions[function] += 1
         if function not in self.met and not self._imported(frame):
             self.met.add(function)
         if (file, code.co_name) == INTEGRATOR:
@@ -82,7 +83,7 @@ def traced(case: str) -> Trace:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("case", nargs="?", default="egm12_pump")
-    parser.add_argument("--list", action="store_true", help="print every function")
+    parser.add_argument("--list", action="store_true", help="print every function and its calls")
     given = parser.parse_args()
     trace = traced(given.case)
     rooms = Counter(file.split("/")[0] for file, *_ in trace.functions)
@@ -93,7 +94,8 @@ def main() -> None:
     print(", ".join(f"{room} {count}" for room, count in rooms.most_common()))
     print(f"{len(trace.way)} frames before the integrator: {' > '.join(trace.way)}")
     if given.list:
-        print(*(f"{file}:{line} {name}" for file, name, line in sorted(trace.functions)), sep="\n")
+        for (file, name, line), calls in sorted(trace.functions.items()):
+            print(f"{calls:6d}  {file}:{line} {name}")
 
 
 if __name__ == "__main__":

@@ -200,6 +200,20 @@ def test_unequal_gears_agree_with_the_tables_of_a_run(mode: str) -> None:
         assert found[number].item() == pytest.approx(summary[number], rel=1e-3)
 
 
+@pytest.mark.parametrize("rounding", ["0 mm", "0.1 mm"])
+def test_tips_close_to_the_roots_mesh_on_their_flanks(rounding: str) -> None:
+    """A root clearance of 2 um, far less than the backlash, is no contact of flanks."""
+    case = ts.load_case("egm12_pump")
+    room = ts.describe(case).geometry_summary["root_clearance_mm"]
+    tip = 1e3 * case.machine.gears.tip_diameter + 2.0 * (room - 2e-3)
+    given = {"machine.gears.tip_diameter": f"{tip} mm", "machine.gears.tip_rounding": rounding}
+    found = ts.evaluate_designs(case, {"machine.gears.tip_diameter": [f"{tip} mm"]})
+    assert found.valid.item()
+    summary = ts.describe(case.replace(given)).geometry_summary
+    assert summary["root_clearance_mm"] == pytest.approx(2e-3, abs=1e-9)
+    assert summary["normal_backlash_mm"] == pytest.approx(found["normal_backlash_mm"].item())
+
+
 def test_undercut_begins_at_the_known_profile_shift() -> None:
     limit = InvoluteGear(9, 3e-3, tool_tip_radius=0.38).smallest_shift_without_undercut
     found = ts.evaluate_designs(

@@ -157,13 +157,26 @@ def driven_lever(side: Throats, mesh: Mesh) -> Array:
     return np.asarray(side.normal[:, 1] * x - side.normal[:, 0] * (y - mesh.center_distance))
 
 
+_LEAST_LEVER = 0.25
+"""Lever of a normal about the centre of its gear, over the distance from there. [-]"""
+
+
 def smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple[float, float]:
     """Smallest gap of a flank pair over its passage [m], its change by the driven rotation."""
     reach = mesh.lens_drive + 2.0 * mesh.half_pitch
     passage = facing_throats(teeth, mesh, is_left, np.linspace(-reach, reach, _PHASE_SAMPLES))
-    gap = np.where(passage.weight >= 1.0, passage.gap, np.inf)
+    # a tip over the root may be nearer than the flanks, but turning does not close that gap
+    x, y = passage.drive.point.T
+    arms = (
+        np.hypot(x, y),
+        np.hypot(passage.driven.point[:, 0], passage.driven.point[:, 1] - mesh.center_distance),
+    )
+    levers = passage.normal[:, 1] * x - passage.normal[:, 0] * y, driven_lever(passage, mesh)
+    turned = [np.abs(lever) > _LEAST_LEVER * arm for lever, arm in zip(levers, arms, strict=True)]
+    facing = (passage.weight >= 1.0) & turned[0] & turned[1]
+    gap = np.where(facing, passage.gap, np.inf)
     best = int(np.argmin(gap))
-    return float(gap[best]), float(driven_lever(passage, mesh)[best])
+    return float(gap[best]), float(levers[1][best])
 
 
 def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:

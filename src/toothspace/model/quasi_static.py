@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toothspace.closures.gap_flow import (
@@ -26,33 +28,45 @@ _ANGLE_STEP = 2.0 * np.pi * 0.381966
 
 
 def quasi_static_pressures(
-    description: MachineDescription, condition: OperatingCondition, shaft_angle: float
+    description: MachineDescription, condition: OperatingCondition, shaft_angle: Array | float
 ) -> Array:
     """Pressures of all chambers when volumes stand still and every path is laminar. [Pa].
 
     Orifices count as wide open, gaps with their nominal height. The result orders chambers
     between the ports by how well each is sealed from them.
+
+    Parameters
+    ----------
+    shaft_angle : float or ndarray
+        Angles of the shaft. [rad]
+
+    Returns
+    -------
+    ndarray, shape (..., chambers)
+        A row for each angle. [Pa]
     """
-    nodes = description.chamber_count + 3
-    matrix = np.zeros((nodes, nodes))
+    nodes, angle = description.chamber_count + 3, np.asarray(shaft_angle, dtype=float)[..., None]
+    matrix = np.zeros((*angle.shape[:-1], nodes, nodes))
     open_length = _OPEN_LENGTH * float(np.cbrt(description.displacement))
     for path in description.paths:
-        geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
+        geometry = path.geometry(path.phases + path.angle_ratio * angle)
         if path.kind == "orifice":
-            one = open_length * np.maximum(geometry[:, 0], 0.0)
+            one = open_length * np.maximum(geometry[..., 0], 0.0)
         else:
-            height = np.maximum(geometry[:, 0], path.minimum_height)
-            width = np.maximum(geometry[:, 1], 0.0)
+            height = np.maximum(geometry[..., 0], path.minimum_height)
+            width = np.maximum(geometry[..., 1], 0.0)
             law = _GAP_LAWS[path.kind]
-            one = np.asarray(law(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0))
+            one = np.asarray(law(height, width, np.maximum(geometry[..., 2], 1e-9), 1.0))
         conductance = path.multiplicity * one
-        np.add.at(matrix, (path.nodes_a, path.nodes_b), conductance)
-        np.add.at(matrix, (path.nodes_b, path.nodes_a), conductance)
+        for ends in (path.nodes_a, path.nodes_b), (path.nodes_b, path.nodes_a):
+            cells: Any = (..., *ends)
+            np.add.at(matrix, cells, conductance)
     chambers = description.chamber_count
     ports = condition.port_pressures(description.drain)
-    diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
-    system = diagonal - matrix[:chambers, :chambers]
-    return np.linalg.solve(system, matrix[:chambers, chambers:] @ ports + 1e-30 * ports.min())
+    inside, outside = matrix[..., :chambers, :chambers], matrix[..., :chambers, chambers:]
+    diagonal = (matrix[..., :chambers, :].sum(axis=-1) + 1e-30)[..., None] * np.eye(chambers)
+    fed = outside @ ports + 1e-30 * ports.min()
+    return np.asarray(np.linalg.solve(diagonal - inside, fed[..., None])[..., 0])
 
 
 def bush_positions(
@@ -81,12 +95,12 @@ def bush_positions(
 
 def mean_force(description: MachineDescription, condition: OperatingCondition) -> Array:
     """Mean generalised force of quasi-static pressures on every micro-motion. [N] or [N m]."""
-    total = np.zeros(len(description.motions))
-    for shaft_angle in np.arange(_ANGLES) * _ANGLE_STEP:
-        pressure = quasi_static_pressures(description, condition, shaft_angle)
-        start = 0
-        for family in description.families:
-            angles = family.phases + family.angle_ratio * shaft_angle
-            total += pressure[start : start + family.count] @ family.volume_by_motion(angles)
-            start += family.count
+    shaft_angle = _ANGLE_STEP * np.arange(_ANGLES, dtype=float)
+    pressure = quasi_static_pressures(description, condition, shaft_angle)
+    total, start = np.zeros(len(description.motions)), 0
+    for family in description.families:
+        angles = family.phases + family.angle_ratio * shaft_angle[:, None]
+        own = pressure[:, start : start + family.count]
+        total += np.einsum("ac,acm->m", own, family.volume_by_motion(angles))
+        start += family.count
     return total / _ANGLES

@@ -487,7 +487,10 @@ def load_solution(path: str | Path) -> Solution:
         read_warnings,
     )
 
-    dataset = read_dataset(path, "a NetCDF file of a run or study")
+    dataset = read_dataset(path, "a NetCDF file of a run")
+    if "study" in dataset.attrs:
+        found = f"the result of a study ({dataset.attrs['study']})"
+        raise CaseError(path, found, "that of a run; report.html beside it is the study's report")
     if "status" not in dataset.attrs or "ledger_energy" not in dataset:
         raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
     try:

@@ -35,6 +35,7 @@ from toothspace.results.noise import (
 from toothspace.results.ripple import harmonics, wave, working_side
 from toothspace.studies.points import collected, operating_point_of, point, status_of
 from toothspace.studies.study import Record, Study, StudyContext, StudyResult, StudyTable
+from toothspace.studies.variation import unit_samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -355,9 +356,8 @@ def _dataset(study: NoiseStudy, names: Sequence[str], records: Sequence[Record])
 
 def _draws(structure: _Structure, study: NoiseStudy) -> list[dict[str, float]]:
     """Factors of all free parameters at once: a Latin hypercube over their logarithms."""
-    random, free = np.random.default_rng(_SEED), structure.free
-    strata = random.permuted(np.tile(np.arange(_DRAWS), (len(free), 1)), axis=1).T
-    shares = (strata + random.random(strata.shape)) / _DRAWS
+    free = structure.free
+    shares = unit_samples(len(free), "latin_hypercube", _DRAWS, _SEED)
     factors = study.spread ** (2.0 * shares - 1.0)
     return [dict(zip(free, row.tolist(), strict=True)) for row in factors]
 

@@ -45,6 +45,7 @@ from toothspace.studies.points import (
     points_dataset,
     points_table,
     require_accepted,
+    require_results,
 )
 from toothspace.studies.study import (
     Record,
@@ -203,7 +204,7 @@ class _TriedPoints:
         self.records: list[Record] = []
         self.groups: dict[str, list[Record]] = {}
         """Machines that scatter round a point, by the key of the point."""
-        scatter = axes_of(study.scatter or {}, case.label, case)
+        scatter = axes_of(study.scatter or {}, case.label, case, "study.scatter")
         shares = np.empty((0, len(scatter)))
         if scatter:
             shares = unit_samples(
@@ -263,12 +264,7 @@ class _TriedPoints:
         study = self.study
         wanted = [*(study.targets or {}), *(study.constraints or {})]
         wanted += [study.objective] if study.objective else []
-        for record in records:
-            missing = [name for name in wanted if name not in record.numbers]
-            if record.succeeded and missing:
-                allowed = ", ".join(record.numbers)
-                found = f"{missing[0]!r}, which is no result"
-                raise CaseError("study", found, allowed).in_file(self.case.label)
+        require_results(records, wanted, self.case.label)
         return records
 
     def _moved(self, values: Mapping[str, Any], off: Mapping[str, float]) -> dict[str, Any]:

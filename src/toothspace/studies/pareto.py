@@ -21,7 +21,6 @@ from toothspace.core.keys import (
     declare,
     flag,
     integer,
-    suggestion,
 )
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
@@ -46,6 +45,7 @@ from toothspace.studies.points import (
     points_dataset,
     points_table,
     require_accepted,
+    require_results,
 )
 from toothspace.studies.study import (
     NOT_RUN,
@@ -344,7 +344,8 @@ class _TriedDesigns:
             self.records.append(merged)
             self.violations.append(self._violation(merged))
         start = len(self.records) - len(rows)
-        self._require_results(self.records[start:])
+        wanted = (*self.study.objectives, *(self.study.constraints or {}))
+        require_results(self.records[start:], wanted, self.case.label)
         merits = [self._merits(record) for record in self.records[start:]]
         return np.array(merits), np.array(self.violations[start:])
 
@@ -354,15 +355,6 @@ class _TriedDesigns:
             return "; ".join(designs.why(k))
         broken = [n for n, limit in self.early.items() if limit.violation(numbers[n]) > 0.0]
         return "; ".join(f"not run: {n} = {numbers[n]:.4g} breaks its limit" for n in broken)
-
-    def _require_results(self, records: Sequence[Record]) -> None:
-        wanted = (*self.study.objectives, *(self.study.constraints or {}))
-        for record in records:
-            missing = [name for name in wanted if name not in record.numbers]
-            if record.succeeded and missing:
-                allowed = suggestion(missing[0], record.numbers)
-                found = f"{missing[0]!r}, which is no result"
-                raise CaseError("study", found, allowed).in_file(self.case.label)
 
     def _violation(self, record: Record) -> float:
         """Sum of what breaks the constraints, each over the size of its limit. [-]."""

@@ -15,6 +15,7 @@ from toothspace.case import Case, OperatingPoint
 from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
+from toothspace.core.keys import suggestion
 from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.units import from_si
@@ -187,6 +188,22 @@ def require_accepted(records: Sequence[Record]) -> None:
     """
     if records and all(record.status == BAD_INPUT for record in records):
         raise CaseError(records[0].message)
+
+
+def require_results(records: Sequence[Record], wanted: Sequence[str], label: str) -> None:
+    """Refuse a study that asks for a number that its points do not have.
+
+    Raises
+    ------
+    CaseError
+        With the name, and with one like it if there is any.
+    """
+    for record in records:
+        missing = [name for name in wanted if name not in record.numbers]
+        if record.succeeded and missing:
+            allowed = suggestion(missing[0], record.numbers)
+            found = f"{missing[0]!r}, which is no result"
+            raise CaseError(f"{label}: study", found, allowed)
 
 
 def _key(item: Point, evaluate: Evaluate) -> str:

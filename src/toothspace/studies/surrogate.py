@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
@@ -74,12 +75,18 @@ class GaussianProcess:
         root = np.sqrt(5.0 * np.sum(apart**2, axis=2))
         return np.asarray(self.variance * (1.0 + root + root**2 / 3.0) * np.exp(-root))
 
-    def predict(self, shares: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation at points of the unit cube. [unit of the number]."""
-        from scipy.linalg import cho_factor, cho_solve
+    @cached_property
+    def _factor(self) -> Any:
+        from scipy.linalg import cho_factor
 
         own = self.covariance(self.points, self.points)
-        factor = cho_factor(own + self.noise * np.eye(len(own)), lower=True)
+        return cho_factor(own + self.noise * np.eye(len(own)), lower=True)
+
+    def predict(self, shares: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation at points of the unit cube. [unit of the number]."""
+        from scipy.linalg import cho_solve
+
+        factor = self._factor
         across = self.covariance(shares, self.points)
         mean = across @ cho_solve(factor, self.values)
         explained = np.sum(across * cho_solve(factor, across.T).T, axis=1)
@@ -234,8 +241,8 @@ class Surrogate:
             "high": self.high.tolist(),
             "processes": {
                 name: {
-                    key: value.tolist() if isinstance(value, np.ndarray) else value
-                    for key, value in vars(process).items()
+                    one.name: np.asarray(getattr(process, one.name)).tolist()
+                    for one in fields(process)
                 }
                 for name, process in self.processes.items()
             },

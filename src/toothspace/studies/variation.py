@@ -169,7 +169,9 @@ class Axis:
         return min(max(value, self.low), self.high)
 
 
-def axes_of(vary: Mapping[str, Any], label: str, case: Case | None = None) -> tuple[Axis, ...]:
+def axes_of(
+    vary: Mapping[str, Any], label: str, case: Case | None = None, key: str = "study.vary"
+) -> tuple[Axis, ...]:
     """Read the varied keys of a study.
 
     Raises CaseError if units do not fit together or limits are the wrong way round.
@@ -185,28 +187,28 @@ def axes_of(vary: Mapping[str, Any], label: str, case: Case | None = None) -> tu
         Name of the case file in messages.
     case : Case, optional
         Where the values stand that a tolerance is round.
+    key : str
+        Where they stand in the case file, for messages.
     """
     return tuple(
-        _axis(path, _round_value(path, given, label, case), f"{label}: study.vary.{path}")
+        _axis(path, _round_value(path, given, f"{label}: {key}", case), f"{label}: {key}.{path}")
         for path, given in vary.items()
     )
 
 
-def _round_value(path: str, given: Any, label: str, case: Case | None) -> Any:
+def _round_value(path: str, given: Any, where: str, case: Case | None) -> Any:
     """Turn a tolerance into the normal distribution round the value of the case."""
     if not isinstance(given, Mapping) or "tolerance" not in given:
         return given
     value = None if case is None else case.value(path)
     if isinstance(value, bool) or not isinstance(value, int | float):
         found = "a tolerance of a key that has no number in the case"
-        raise CaseError(f"study.vary.{path}", found, "{mean, deviation}").in_file(label)
+        raise CaseError(f"{where}.{path}", found, "{mean, deviation}")
     tolerance = given["tolerance"]
     number, unit = split_quantity(tolerance) if is_quantity(tolerance) else (float(tolerance), "")
     middle = from_si(float(value), unit) if unit else float(value)
     if number <= 0.0:
-        raise CaseError(f"study.vary.{path}.tolerance", f"{tolerance!r}", "more than 0").in_file(
-            label
-        )
+        raise CaseError(f"{where}.{path}.tolerance", f"{tolerance!r}", "more than 0")
 
     def written(x: float) -> Any:
         return f"{x:.12g} {unit}" if unit else x

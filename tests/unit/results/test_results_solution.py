@@ -53,6 +53,13 @@ def test_file_without_a_result_is_refused(tmp_path: Path) -> None:
         load_solution(tmp_path / "other.nc")
 
 
+def test_result_of_a_study_is_named_as_one(tmp_path: Path) -> None:
+    study = xr.Dataset({"a": 1.0}, attrs={"study": "sweep", "status": "DONE"})
+    study.to_netcdf(tmp_path / "study.nc", engine="h5netcdf")
+    with pytest.raises(CaseError, match=r"result of a study \(sweep\), allowed that of a run; rep"):
+        load_solution(tmp_path / "study.nc")
+
+
 @pytest.mark.parametrize(
     ("name", "found"),
     [
@@ -66,7 +73,7 @@ def test_what_is_no_result_is_refused_in_one_line(tmp_path: Path, name: str, fou
     (tmp_path / "text.nc").write_text("pressure", encoding="utf-8")
     with pytest.raises(CaseError) as refused:
         load_solution(tmp_path / name)
-    wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file of a run or study"
+    wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file of a run"
     assert str(refused.value) == wanted
 
 

@@ -185,6 +185,9 @@ def test_a_robust_search_keeps_away_from_the_edge(calls: list[Case]) -> None:
     assert len(calls) == 11 * values > 11 * 30
     with pytest.raises(CaseError, match=r"scatter\..*allowed \{tolerance = \.\.\.\}"):
         case_with_study(optimise(text.replace("tolerance =", "deviation =")))
+    other = case_with_study(study.replace('"3 um"', '"-3 um"'))
+    with pytest.raises(CaseError, match=r"study\.scatter\..*\.tolerance: found '-3 um'"):
+        run_study(other)
 
 
 def test_a_search_replays_its_finished_points(calls: list[Case], tmp_path: Path) -> None:
