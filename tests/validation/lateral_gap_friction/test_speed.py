@@ -64,8 +64,8 @@ def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
 def test_claims_about_nose_and_speed_on_the_shipped_case() -> None:
     """Low pressure fast, low pressure slow, high pressure fast, five nose pressures each.
 
-    Against the source, friction holds the bearing at low pressure, and high pressure moves it (claim
-    ``fuel_pump_nose`` of the validation book, which fails).
+    Against the source, friction holds the bearing at low pressure, and high pressure moves it
+    (claim ``fuel_pump_nose`` of the validation book, which fails).
     """
     study = solve_path(load_case(CASES / "nose_pressure.toml"))
     assert study.status is Status.DONE
