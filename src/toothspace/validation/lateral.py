@@ -57,7 +57,9 @@ _SHORT = ("run.film_grid=[105, 15]", "run.film_angles_per_pitch=4")
 
 @cache
 def _loop(name: str, effort: Effort) -> LateralStudy:
-    return solve_path(shipped(name, *(() if effort == "full" else _SHORT)))
+    # a few newtons decide whether friction holds the bearing at low pressure: as fine as the case
+    whole = effort == "full" or name == "hysteresis_055"
+    return solve_path(shipped(name, *(() if whole else _SHORT)))
 
 
 def _films(study: LateralStudy) -> Array:
