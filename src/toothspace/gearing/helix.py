@@ -200,9 +200,17 @@ class Helix:
             middle = value[sections // 2]
             return np.where(total.reshape(-1, *extra) > 0.0, part.sum(axis=0) / some, middle)
 
+        length = mean(wide, found[..., 2])
+        if path.kind == "parallel_gap":
+            # as long as a gap of that height and width that leaks as much
+            leaks = share * wide * height**power
+            long = np.where(found[..., 2] > 0.0, found[..., 2], 1.0)
+            conducts, whole = (leaks / long).sum(axis=0), leaks.sum(axis=0)
+            safe_conducts = np.where(conducts > 0.0, conducts, 1.0)
+            length = np.where(conducts > 0.0, whole / safe_conducts, length)
         leaking = (share * wide * height**power).sum(axis=0) / safe
         high = np.where(width > 0.0, leaking ** (1.0 / power), height[sections // 2])
-        geometry = np.column_stack([high, width, mean(wide, found[..., 2])])
+        geometry = np.column_stack([high, width, length])
         drag = path.drag_speed
         if drag is not None:
             speeds = self._over(drag, leads)[..., 0]
