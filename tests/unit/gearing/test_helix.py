@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,10 @@ import pytest
 import toothspace as ts
 from toothspace import api
 from toothspace.core.errors import CaseError
+from toothspace.gearing.helix import Helix
+from toothspace.gearing.meshing import displacement
 from toothspace.gearing.spaces import section_areas
+from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.periodic_table import smooth_table
@@ -77,6 +81,29 @@ def straight() -> MachineDescription:
     return machine(**{ANGLE: "0 deg", "machine.gears.helix_hand": None})
 
 
+def test_a_drawn_section_winds_as_the_generated_one() -> None:
+    """The helix angle of a profile is that halfway up its teeth: the same lead."""
+    made = ts.load_case(HELICAL)
+    spec = made.machine_spec
+    profile = generate_profile(spec.drive.tooth, 300)
+    halfway = 0.5 * (profile.root_radius + profile.tip_radius)
+    angle = math.degrees(math.atan(spec.helix.turn_per_length * halfway))
+    given = ("tooth_count", "module", "pressure_angle", "profile_shift", "dedendum",
+             "tool_tip_radius", "tip_diameter", "tip_rounding")  # fmt: skip
+    drawn = made.replace(
+        dict.fromkeys([f"machine.gears.{name}" for name in given])
+        | {"machine.gears.profile": (1e3 * profile.closed_polygon()).tolist(),
+           ANGLE: f"{angle} deg"}
+    )  # fmt: skip
+    first, second = spec.helix, drawn.machine_spec.helix
+    assert second.turn_per_length == pytest.approx(first.turn_per_length, rel=1e-5)
+    assert second.base_angle == pytest.approx(first.base_angle, rel=1e-3)
+    sections = [assemble(case.machine_spec) for case in (made, drawn)]
+    assert displacement(sections[1]) == pytest.approx(displacement(sections[0]), rel=5e-4)
+    distances = [section.mesh.center_distance for section in sections]
+    assert distances[1] == pytest.approx(distances[0], abs=2e-6)  # of the same normal backlash
+
+
 def test_volumes_are_those_of_slices() -> None:
     case = ts.load_case(HELICAL)
     found = api.prepare(case).machine
@@ -128,10 +155,25 @@ def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
 def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
+    with pytest.raises(CaseError, match="profile_teeth"):
+        ts.load_case(HELICAL, ("machine.gears.profile_teeth=own",))
     with pytest.raises(CaseError, match="tooth_deviations"):
         ts.load_case(HELICAL, ("machine.gears.tooth_deviations=gear.csv",))
-    with pytest.raises(CaseError, match="lateral"):
-        ts.simulate(HELICAL.with_name("continuous_pump.toml"), run__fidelity="films")
+
+
+def test_both_ends_of_a_gap_leak_as_one() -> None:
+    """Flow of a parallel gap goes with width over length: ends 2 and 6 mm long are one of 3 mm."""
+    turn, nodes = 2.0 * np.pi, 720
+    length = 4e-3 - 2e-3 * np.cos(turn * np.arange(nodes) / nodes)
+    rows = np.column_stack([np.full(nodes, 5e-6), np.full(nodes, 1e-2), length])
+    path = next(p for p in straight().paths if p.name == "lateral_drive")
+    helix = Helix(math.radians(45.0), 12, 1.0, 0.3, math.pi)  # both ends half a turn apart
+    found = helix.path(replace(path, geometry=smooth_table(turn, rows), drag_speed=None)).geometry
+    for angle in (0.5 * math.pi, 0.0, 0.25 * math.pi):
+        ends = [4e-3 - 2e-3 * math.cos(angle + lead) for lead in (-0.5 * math.pi, 0.5 * math.pi)]
+        wanted = 2.0 / (1.0 / ends[0] + 1.0 / ends[1])
+        assert found(np.array([angle]))[0] == pytest.approx([5e-6, 1e-2, wanted], rel=1e-5)
+    assert found(np.array([0.5 * math.pi]))[0, 2] == pytest.approx(3e-3, rel=1e-5)
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.mesh_cut import AlongTeeth
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import SpaceOutlines
@@ -75,7 +76,8 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         return machine
     families, paths, contacts = section
     spur = replace(machine, families=families, paths=paths, contacts=contacts)
-    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur))
+    along = AlongTeeth(helix)
+    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur, along))
 
 
 MACHINE = MachineType("crescent", describe)
