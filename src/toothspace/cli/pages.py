@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,8 +14,16 @@ from toothspace.core.errors import CaseError
 from toothspace.core.files import require_writable, write_text
 from toothspace.core.status import Status
 
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from toothspace.results.solution import Solution
+
 _MEASURED = {"shaft_speed": "rpm", "pressure_difference": "bar"}
 """Signals of a measurement that figures can lay over results."""
+_EXPORTS = (".csv", ".xlsx", ".mat", ".vtkhdf", ".data", ".mo")
+"""Formats of results for other programs, by the ending of the file."""
 
 
 def report(
@@ -116,41 +124,83 @@ def export(
         Path, typer.Argument(metavar="RESULT", help="RESULT.nc of a run, or study.nc of a study.")
     ],
     target: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="CSV, MAT or VTKHDF file.")
+        Path,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="File by its ending: .csv, .xlsx, .mat, .vtkhdf, of a map also .data and .mo.",
+        ),
     ],
     frames: Annotated[int, typer.Option(min=1, max=7200, help="States of a VTKHDF file.")] = 121,
     force: Force = False,
 ) -> int:
-    """Write a result for other programs: CSV for tables, MAT for MATLAB, VTKHDF for ParaView."""
+    """Write a result for other programs: tables, Excel, MATLAB, ParaView, Amesim, Modelica."""
     from toothspace.core.netcdf import read_dataset
-    from toothspace.results.exchange import write_mat
+    from toothspace.results import exchange
     from toothspace.results.solution import load_solution
-    from toothspace.studies.study import StudyResult
 
-    written = require_writable(target, "-o", replace=force, endings=(".csv", ".mat", ".vtkhdf"))
+    parts = exchange.amesim_files(target) if target.suffix == ".data" else [target]
+    for part in parts:
+        require_writable(part, "-o", replace=force, endings=_EXPORTS)
     data = read_dataset(result, "a NetCDF file of a run or study")
     solution = None if "study" in data.attrs else load_solution(result)
-    if written.suffix == ".vtkhdf":
+    data = data if solution is None else solution.data
+    if target.suffix == ".vtkhdf":
         if solution is None:
             raise CaseError("-o", "a study for '.vtkhdf'", "the result of a run")
         from toothspace.plotting.space_series import write_space_series
 
         with output.progress(f"{result.stem}:") as progress:
-            write_space_series(solution, written, frames, progress)
-    elif written.suffix == ".mat":
-        write_mat(data if solution is None else solution.data, written)
-    elif solution is not None:
-        solution.to_csv(written)
+            write_space_series(solution, target, frames, progress)
+    elif target.suffix == ".mat":
+        exchange.write_mat(data, target)
+    elif target.suffix == ".data":
+        exchange.write_amesim(data, target)
+    elif target.suffix == ".mo":
+        exchange.write_modelica(data, target)
+    elif target.suffix == ".csv" and solution is not None:
+        solution.to_csv(target)
+    elif target.suffix == ".csv":
+        write_text(target, _table(data, None).to_csv(index=False))
     else:
-        frame = StudyResult(Status.DONE, data, {}).to_dataframe()
-        units = frame.attrs["units"] | {
-            str(name): str(data[name].attrs.get("units", "1")) for name in frame.index.names
-        }
-        rows = frame.reset_index()
-        heads = [f"{name} [{units.get(str(name), '1')}]" for name in rows.columns]
-        write_text(written, rows.to_csv(index=False, header=heads))
-    output.message(f"Exported: {written}")
+        exchange.write_workbook(_sheets(data, solution), target)
+    output.message(f"Exported: {', '.join(map(str, parts))}")
     return 0
+
+
+def _table(data: xr.Dataset, solution: Solution | None) -> pd.DataFrame:
+    """Samples of a run or points of a study as rows, with ``name [unit]`` on top."""
+    from toothspace.studies.study import StudyResult
+
+    if solution is None:
+        frame = StudyResult(Status.DONE, data, {}).to_dataframe()
+    else:
+        frame = solution.to_dataframe()
+    units = frame.attrs["units"] | {
+        str(name): str(data[name].attrs.get("units", "1")) for name in frame.index.names
+    }
+    rows = frame.reset_index()
+    return rows.set_axis([f"{name} [{units.get(str(name), '1')}]" for name in rows.columns], axis=1)
+
+
+def _sheets(data: xr.Dataset, solution: Solution | None) -> dict[str, pd.DataFrame]:
+    """Sheets of a workbook: values, summary or coefficients of losses, and where they come from."""
+    import pandas as pd
+
+    from toothspace.results.variables import stem_and_unit
+
+    sheets = {"points" if solution is None else "samples": _table(data, solution)}
+    if solution is not None:
+        rows = [(*stem_and_unit(name), value) for name, value in solution.summary().items()]
+        sheets["summary"] = pd.DataFrame(rows, columns=["name", "unit", "value"])
+    if "loss_coefficient" in data.sizes:
+        names = [name for name in data.data_vars if data[name].dims == ("loss_coefficient",)]
+        sheets["loss coefficients"] = data[names].to_dataframe().reset_index()
+    attributes = data.attrs if solution is None else solution.provenance
+    about = {name: value for name, value in attributes.items() if name != "case_toml"}
+    sheets["about"] = pd.DataFrame(list(about.items()), columns=["name", "value"])
+    return sheets
 
 
 def validate(

@@ -49,11 +49,17 @@ _LEAST_WAIT, _LEAST_RATE = 10.0, 1e6
 _MOST_SPREAD, _ALWAYS_READ = 50.0, 2**28
 """Largest ratio of arrays to their file, and arrays that are read from any file. [-], [B]"""
 _NUMBERS = "fiub"
+_CONVENTIONS = "CF-1.11"
+_UDUNITS = {"deg": "degree", "cm3/rev": "cm3/revolution"}
+"""Units that the library UDUNITS, and so the CF conventions, know by another name."""
 _WRITE_LOCK = RLock()
 
 
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset to one NetCDF file that is complete or not there; returns its path.
+
+    The file follows the CF conventions: units of UDUNITS, a long name for every variable, no fill
+    values in coordinates. Labels along a dimension are text coordinates of its name.
 
     Raises OSError if the file cannot be written whole, as on a full disk.
 
@@ -72,13 +78,30 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     buffer = BytesIO()
     store = H5NetCDFStore.open(buffer, mode="w", lock=_WRITE_LOCK)
     try:
-        dataset.dump_to_store(store)
+        _conventional(dataset).dump_to_store(store)
     finally:
         store.close()
     content = buffer.getvalue()
     seal = _SEAL + _checksum(BytesIO(content), len(content))
     with interrupts_held():
         return write_bytes(target, content + seal)
+
+
+def _conventional(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with the attributes of the CF conventions that it lacks."""
+    from toothspace import __version__
+
+    written = f"toothspace {__version__}"
+    given = {"Conventions": _CONVENTIONS, "source": written, "history": f"Written by {written}"}
+    found = dataset.assign_attrs({**given, **dataset.attrs})
+    for name, variable in found.variables.items():
+        attributes = {"long_name": str(name).replace("_", " "), **variable.attrs}
+        if "units" in attributes:
+            attributes["units"] = _UDUNITS.get(str(attributes["units"]), attributes["units"])
+        variable.attrs = attributes
+        if name in found.coords and variable.dtype.kind == "f":
+            variable.encoding = {**variable.encoding, "_FillValue": None}
+    return found
 
 
 def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset:

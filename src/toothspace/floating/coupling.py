@@ -26,7 +26,7 @@ from toothspace.floating.problem import (
     lateral_problem,
     numbers_of,
 )
-from toothspace.floating.stack import HoldingSpring, MovingBearing, Snapshot, leaning
+from toothspace.floating.stack import HoldingSpring, MovingBearing, Snapshot, Stack, leaning
 from toothspace.floating.torque import lumped_torque, with_film_torque
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load, with_lateral_leakage
@@ -119,7 +119,12 @@ class InterpolatedEquilibrium:
             return np.asarray((1.0 - share) * a + share * b)
 
         snapshots: tuple[Snapshot, ...] = tuple(
-            s._replace(node_pressure=between(s.node_pressure, t.node_pressure))
+            s._replace(
+                node_pressure=between(s.node_pressure, t.node_pressure),
+                thrust=between(s.thrust, t.thrust)
+                if s.thrust is not None and t.thrust is not None
+                else None,
+            )
             for s, t in zip(first.snapshots, second.snapshots, strict=True)
         )
         problem = replace(
@@ -598,6 +603,7 @@ def _with_films(
         lateral_torque_mismatch=point.torque_mismatch,
         lateral_torque=numbers.viscous_torque + numbers.asperity_torque,
         lateral_smallest_gap=numbers.smallest_gap,
+        **_side_gaps(stack, numbers),
         lateral_contact_force=numbers.contact_force,
         lateral_real_contact_area=numbers.real_contact_area,
         lateral_contact_share=numbers.contact_share,
@@ -614,6 +620,12 @@ def _with_films(
         lateral_residual=float(max(march.residuals)),
         **face_deflection(march.last.states[0]),
     )
+
+
+def _side_gaps(stack: Stack, numbers: LateralNumbers) -> dict[str, float]:
+    """Mean gap of the films of each side. [m]."""
+    sides = np.array([grid.interface.side for grid in stack.grids])
+    return {f"{s}_side_gap": float(numbers.gaps[sides == s].mean()) for s in ("floating", "solid")}
 
 
 def hold_down_warning(numbers: LateralNumbers) -> str:

@@ -215,7 +215,8 @@ class ElasticFaces:
         """First film whose cells lie alike to like nodes of the same turning body."""
         own = self.grids[index]
         for k, grid in enumerate(self.grids[:index]):
-            alike = grid.interface.body == own.interface.body
+            one, other = grid.interface, own.interface
+            alike = (one.body, one.lead) == (other.body, other.lead)
             if alike and np.array_equal(grid.points.x, own.points.x):
                 body = self.bodies[own.interface.body]
                 first, second = body.of(grid.interface.side), body.of(own.interface.side)
@@ -235,7 +236,7 @@ class ElasticFaces:
             spread = self.bodies[own.body].interpolation(own.side, places * radius[:, None])
             self._turning[index] = spread
         spread = self._turning[index]
-        turn = own.body_angle + own.speed_ratio * shaft_angle
+        turn = own.body_angle + own.speed_ratio * (shaft_angle + own.lead)
         first = 0.5 * (finer - 1) - turn * rows / (2.0 * np.pi)
         columns, weights = _between_rows(
             spread.indices.reshape(rows, grid.lanes, -1),
@@ -332,6 +333,8 @@ class BodyLoads:
     """Forces of all contacts between turning bodies at a shaft angle. [N]"""
     frames: Mapping[str, tuple[float, float]]
     """Angle [rad] at shaft angle zero and speed ratio of the frames that turn, by body."""
+    thrust: Callable[[float], Array] | None = None
+    """Axial forces with which a helix pushes the turning bodies at a shaft angle. [N]"""
 
     def __call__(self, snapshot: Snapshot) -> dict[str, dict[str, float]]:
         """Sizes of the loads by body and name. [Pa] or [N]."""
@@ -353,6 +356,11 @@ class BodyLoads:
         if load.source == "contact_share":
             total = float(contacts.sum())
             return float(contacts[load.index]) / total if total > 0.0 else 0.0
+        if load.source == "thrust":
+            assert self.thrust is not None
+            total, body = float(contacts.sum()), list(self.frames).index(load.body)
+            push = float(self.thrust(snapshot.shaft_angle)[body])
+            return push * float(contacts[load.index]) / total if total > 0.0 else 0.0
         if load.source == "node":
             return float(snapshot.node_pressure[load.index]) - low
         if load.source in _COMPONENTS:
@@ -391,7 +399,7 @@ def loaded_bodies(
     at_angle = lru_cache(_KEPT_ANGLES)(balance.elastic_bodies.loads)
     journals = _over_a_turn(data, data["journal_force"].values[:, :, :2])
     contacts = _over_a_turn(data, data["contact_force"].values)
-    loads = BodyLoads(at_angle, back, journals, contacts, frames)
+    loads = BodyLoads(at_angle, back, journals, contacts, frames, axial_forces(data))
     return elastic_faces(grids, bodies, loads)
 
 
@@ -414,6 +422,11 @@ def face_deflection(state: StackState) -> dict[str, float]:
         return max(float(np.abs(field[mask.film]).max()) for field, mask in pairs)
 
     return {"film_deformation_largest": largest(wide), "film_deformation_error": largest(error)}
+
+
+def axial_forces(data: xr.Dataset) -> Callable[[float], Array] | None:
+    """Axial forces of a helix on all bodies over the shaft angle; None with straight teeth. [N]."""
+    return _over_a_turn(data, data["axial_force"].values) if "axial_force" in data else None
 
 
 def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callable[[float], Array]:

@@ -101,6 +101,7 @@ class FaceGrid:
         face = self.interface.face
         body, (x0, y0) = face.body_number(self.interface.body), face.center
         x, y = self.points.x + x0, self.points.y + y0
+        shaft_angle += self.interface.lead
         cells = face.face_map(shaft_angle, x, y)
         edges = np.array([(1 - _BEYOND) * face.inner_radius, (1 + _BEYOND) * face.outer_radius])
         beyond = face.face_map(shaft_angle, *face.places(self.angle, edges)).node

@@ -20,7 +20,7 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.thermal import FilmHeating
 from toothspace.floating.compliant_film import Accuracy
 from toothspace.floating.deformation import Fineness
-from toothspace.floating.elastic_faces import loaded_bodies, node_pressures
+from toothspace.floating.elastic_faces import axial_forces, loaded_bodies, node_pressures
 from toothspace.floating.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -267,6 +267,7 @@ def lateral_problem(
         tuple(law._replace(accuracy=_SETTLED) for law in laws),
         compliance,
         shaft_speed,
+        thrust=axial_forces(data),
     )
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
     difference = high - low

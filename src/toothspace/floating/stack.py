@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol, final
 
@@ -22,6 +22,8 @@ from toothspace.model.floating_bearing import FilmInterface, FloatingBearing, La
 from toothspace.numerics.parallel import in_parallel
 
 _MOTIONS = 3
+_THRUSTS = 8
+"""Shaft angles of a pitch over which axial forces are averaged. [-]"""
 
 
 class Compliance(Protocol):
@@ -76,6 +78,7 @@ class Snapshot(NamedTuple):
     shaft_angle: float  # [rad]
     masks: tuple[Mask, ...]  # one per interface
     node_pressure: Array  # [Pa]
+    thrust: Array | None = None  # axial forces of a helix, by body [N]
 
 
 class HoldingSpring(NamedTuple):
@@ -137,6 +140,10 @@ class Stack:
     """Elastic approach."""
     shaft_speed: float
     """Shaft speed. [rad/s]"""
+    thrust: Callable[[float], Array] | None = None
+    """Axial forces with which a helix pushes the turning bodies at a shaft angle; none with
+    straight teeth. [N]
+    """
     holding_spring: HoldingSpring | None = None
     """Spring on the mean lift of the floating bearings; none in a machine."""
     moving_bearings: tuple[MovingBearing, ...] = field(init=False, repr=False)
@@ -160,7 +167,7 @@ class Stack:
                     sign,
                     part,
                     beside[k],
-                    len(sides) > 1 and sign * self.balance.thrust(beside[k]) < 0.0,
+                    len(sides) > 1 and sign * self._net_thrust(beside[k]) < 0.0,
                 )
                 for side, sign, start in sides
                 for k, part in enumerate(parts)
@@ -192,8 +199,24 @@ class Stack:
             references = [part.first for part in self.moving_bearings]
         else:
             groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
-            references = [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+            references = [self._body(own[0]) for own in groups if self._net_thrust(own) == 0.0]
         return found[~np.isin(found - found % _MOTIONS, references)]
+
+    def _net_thrust(self, bodies: tuple[str, ...]) -> float:
+        """Axial force that pushes bodies and all films beside them along z. [N].
+
+        The pressures that push the flanks of a helix push the bearings as much the other way, at
+        the end of the spaces that is the wider one. What is left are the contacts, which push one
+        body against the other.
+        """
+        given = self.balance.thrust(bodies)
+        if self.thrust is None or bodies == self.balance.bodies:
+            return given
+        period, every = self.balance.interfaces[0].face.period, self.balance.bodies
+        angles = np.arange(_THRUSTS) * period / _THRUSTS
+        first, second = np.mean([self.thrust(float(angle)) for angle in angles], axis=0)
+        contact = 0.5 * float(first - second)
+        return given + (contact if bodies == every[:1] else -contact)
 
     def _body(self, name: str) -> int:
         """First coordinate of a turning body."""
@@ -217,12 +240,14 @@ class Stack:
 
     def snapshot(self, shaft_angle: float, node_pressure: Array) -> Snapshot:
         """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
-        faces = [(grid.interface.body, grid.interface.face.face_map) for grid in self.grids]
+        own = [grid.interface for grid in self.grids]
+        faces = [(i.body, i.face.face_map, i.lead) for i in own]
         first = dict(zip(reversed(faces), reversed(self.grids), strict=True))
         size = self.grids[0].area.size
         found = in_parallel(lambda face: first[face].mask(shaft_angle), first, size)
         masks = dict(zip(first, found, strict=True))
-        return Snapshot(shaft_angle, tuple(masks[face] for face in faces), node_pressure)
+        thrust = None if self.thrust is None else self.thrust(shaft_angle)
+        return Snapshot(shaft_angle, tuple(masks[face] for face in faces), node_pressure, thrust)
 
     def start(self, gap: float) -> Array:
         """Coordinates with one gap everywhere. [m]."""
@@ -399,9 +424,12 @@ class StackState:
             push = back.high * high + back.nose * nose + back.low * rest
             push += np.array(bearing.preload.moments)
             force[first : first + _MOTIONS] += sign * push
+        beyond = self.snapshot.thrust
         for k, load in enumerate(stack.balance.body_forces):
-            first = stack.first_body + _MOTIONS * k
-            force[first : first + _MOTIONS] += load.moments
+            first, now = stack.first_body + _MOTIONS * k, load
+            if beyond is not None:
+                now = replace(load, size=load.size + float(beyond[k]))
+            force[first : first + _MOTIONS] += now.moments
         return force
 
     @property

@@ -19,6 +19,7 @@ from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import MeshingGearParameters
 from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.space_paths import FACES
+from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
@@ -31,8 +32,13 @@ _CURVED_GAP = 2.5
 """Power of the height that the flow through a gap between curved walls grows with. [-]"""
 
 
-GENERATED = "with a helix_angle (teeth are then generated, all alike)"
-"""Reason why files of teeth are refused."""
+ALIKE = "with a helix_angle (teeth are then all alike)"
+"""Reason why deviations of single teeth are refused."""
+
+
+def halfway_up(profile: GearProfile) -> float:
+    """Radius halfway between root and tip of a profile, on which files tell the helix. [m]."""
+    return 0.5 * (profile.root_radius + profile.tip_radius)
 
 
 def base_helix_angle(angle: Any, pressure_angle: Any) -> Any:
@@ -56,8 +62,8 @@ class Helix:
     tooth_count: int
     reference_radius: float
     pressure_angle: float
-    """Of the drive gear in the transverse section; the angle is 0 where flanks have none. [m],
-    [rad]
+    """Of the drive gear in the transverse section: circle of the helix angle, and the pressure
+    angle there, 0 where flanks have none. [m], [rad]
     """
     face_width: float
     """Width of both gears. [m]"""
@@ -254,7 +260,8 @@ class HelicalGearParameters(MeshingGearParameters):
     helix_angle: float = quantity(
         "deg",
         "Helix angle at the reference circle, 0 for spur gears; module, pressure angle, shifts, "
-        "dedendum, tool tip and backlash are then those of the normal section.",
+        "dedendum, tool tip and backlash are then those of the normal section. Of a profile from a "
+        "file, which is the transverse section, on the circle halfway up the teeth.",
         low=0,
         high=45,
         default=0.0,
@@ -268,9 +275,7 @@ class HelicalGearParameters(MeshingGearParameters):
     )
 
     def __post_init__(self) -> None:
-        if self.helix_angle > 0.0:
-            forbid(self, GENERATED, "profile")
-        else:
+        if self.helix_angle == 0.0:
             forbid(self, "with spur gears", "helix_hand")
         super().__post_init__()
 
@@ -281,7 +286,7 @@ class HelicalGearParameters(MeshingGearParameters):
 
     @property
     def transverse_pressure_angle(self) -> float:
-        """Pressure angle in the section across the axis; 0 of a profile from a file. [rad]."""
+        """Pressure angle in the section across the axis, of generated teeth. [rad]."""
         return math.atan(math.tan(self.pressure_angle or 0.0) / self.slope)
 
     @property
@@ -321,17 +326,32 @@ class HelicalGearParameters(MeshingGearParameters):
             tool_tip_radius=None if radius is None else radius * self.slope,
         ).involute_gear(table)
 
-    def helix(self, face_width: float, *, flanks_in_turn: bool = False) -> Helix | None:
-        """How the teeth wind about the axes over a width [m]; None for spur gears."""
+    def helix(
+        self, face_width: float, profile: GearProfile | None = None, *, flanks_in_turn: bool = False
+    ) -> Helix | None:
+        """How the teeth wind about the axes over a width [m]; None for spur gears.
+
+        Parameters
+        ----------
+        profile : GearProfile, optional
+            Transverse section from a file, None of generated teeth.
+        """
         if self.helix_angle == 0.0:
             return None
-        assert self.tooth_count is not None
-        assert self.module is not None
+        if profile is None:
+            assert self.tooth_count is not None
+            assert self.module is not None
+            count, pressure_angle = self.tooth_count, self.transverse_pressure_angle
+            radius = 0.5 * count * self.module / self.slope
+        else:
+            count, base = profile.tooth_count, profile.base_radius or 0.0
+            radius = halfway_up(profile)
+            pressure_angle = math.acos(base / radius) if 0.0 < base < radius else 0.0
         return Helix(
             angle=-self.helix_angle if self.helix_hand == "left" else self.helix_angle,
-            tooth_count=self.tooth_count,
-            reference_radius=0.5 * self.tooth_count * self.module / self.slope,
-            pressure_angle=self.transverse_pressure_angle,
+            tooth_count=count,
+            reference_radius=radius,
+            pressure_angle=pressure_angle,
             face_width=face_width,
             flanks_in_turn=flanks_in_turn,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,6 +24,12 @@ EXPORT_SUFFIXES = (".txt", ".dxf", ".stl", ".step")
 _MILLIMETRE = 1e-3
 _DXF_UNITS = {1e-3: 4, 1e-2: 5, 1.0: 6, 25.4e-3: 1}
 _CORNER = np.deg2rad(12.0)
+_CHORD_ANGLE = np.deg2rad(1.0)
+"""Turn between two layers of a twisted mesh: chords within 0.8 um of a helix of 20 mm. [rad]"""
+_LOFT_ANGLE, _LOFT_LAYERS = np.deg2rad(3.0), 6
+"""Turn between two sections that a smooth surface goes through [rad], and fewest layers: four
+sections leave 0.2 % of the helix angle.
+"""
 
 
 @final
@@ -60,7 +67,9 @@ def gear_section(profile: GearProfile) -> Section:
     return Section(profile.closed_polygon(), pieces=pieces, title=title, layer="GEAR")
 
 
-def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float = 1e-3) -> None:
+def export_gear(
+    profile: GearProfile, path: Path, face_width: float, unit: float = 1e-3, twist: float = 0.0
+) -> None:
     """Write a whole gear; see :func:`gear_section` and :func:`export_section`.
 
     Raises GeometryError as :func:`export_section`.
@@ -75,11 +84,15 @@ def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float
         Tooth length, used by the solids. [m]
     unit : float
         Length of one unit of the file; STEP files are always in mm. [m]
+    twist : float
+        Turn of solid teeth over their length, positive right-handed. [rad]
     """
-    export_section(gear_section(profile), path, face_width, unit)
+    export_section(gear_section(profile), path, face_width, unit, twist)
 
 
-def export_section(section: Section, path: Path, width: float, unit: float = 1e-3) -> None:
+def export_section(
+    section: Section, path: Path, width: float, unit: float = 1e-3, twist: float = 0.0
+) -> None:
     """Write a section; the format follows the suffix of the file.
 
     Raises GeometryError for another suffix, a width that is not positive, or if the optional
@@ -95,13 +108,15 @@ def export_section(section: Section, path: Path, width: float, unit: float = 1e-
         Height of the solid. [m]
     unit : float
         Length of one unit of the file; STEP files are always in mm. [m]
+    twist : float
+        Turn of a solid about z over its height. [rad]
     """
     path = Path(path)
     writers: dict[str, Callable[[], bytes]] = {
         ".txt": lambda: _text_bytes(section, unit),
         ".dxf": lambda: _dxf_bytes(section, unit),
-        ".stl": lambda: _stl_bytes(section, width, unit),
-        ".step": lambda: _step_bytes(section, width),
+        ".stl": lambda: _stl_bytes(section, width, unit, twist),
+        ".step": lambda: _step_bytes(section, width, twist),
     }
     suffix = path.suffix.lower()
     if suffix not in writers:
@@ -133,7 +148,7 @@ def _dxf_bytes(section: Section, unit: float) -> bytes:
     return stream.getvalue().encode()
 
 
-def _stl_bytes(section: Section, width: float, unit: float) -> bytes:
+def _stl_bytes(section: Section, width: float, unit: float, twist: float) -> bytes:
     import shapely
 
     trimesh = package_of_extra("trimesh", "cad", "export: found the format 'stl'")
@@ -154,11 +169,45 @@ def _stl_bytes(section: Section, width: float, unit: float) -> bytes:
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
     corners = shapely.get_coordinates(triangles).reshape(len(triangles), 4, 2)[:, :3]
     indices = np.asarray([[number[c.tobytes()] for c in triangle] for triangle in corners])
-    solid = trimesh.creation.extrude_triangulation(vertices, indices, height=width / unit)
+    height = width / unit
+    if twist == 0.0:
+        solid = trimesh.creation.extrude_triangulation(vertices, indices, height=height)
+    else:
+        solid = trimesh.Trimesh(*_twisted(curves, vertices, indices, height, twist))
     return bytes(solid.export(file_type="stl"))
 
 
-def _step_bytes(section: Section, width: float) -> bytes:
+def _twisted(
+    curves: list[Array], base: Array, cap: Array, height: float, twist: float
+) -> tuple[Array, Array]:
+    """Corners and triangles of a solid that turns about z as it rises.
+
+    One layer ends halfway up, where readers cut a gear.
+    """
+    layers = 2 * max(math.ceil(0.5 * abs(twist) / _CHORD_ANGLE), 1)
+    share = np.linspace(0.0, 1.0, layers + 1)
+    rings = [np.column_stack([turned(base, twist * s), np.full(len(base), height * s)])
+             for s in share]  # fmt: skip
+    count, sides, first = len(base), [], 0
+    for curve in curves:
+        here = first + np.arange(len(curve))
+        ahead = first + (np.arange(len(curve)) + 1) % len(curve)
+        for layer in range(layers):
+            a, b = layer * count + here, layer * count + ahead
+            sides += [
+                np.column_stack([a, b, b + count]),
+                np.column_stack([a, b + count, a + count]),
+            ]
+        first += len(curve)
+    # caps as the triangulation of the section, seen from outside
+    a, b, c = (base[cap[:, k]] for k in range(3))
+    first, second = (b - a).T, (c - a).T
+    upwards = first[0] * second[1] - first[1] * second[0] > 0.0
+    top = np.where(upwards[:, None], cap, cap[:, ::-1])
+    return np.vstack(rings), np.vstack([*sides, top[:, ::-1], top + layers * count])
+
+
+def _step_bytes(section: Section, width: float, twist: float) -> bytes:
     package_of_extra("OCP.STEPControl", "cad", "export: found the suffix '.step'")
     from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
@@ -170,7 +219,11 @@ def _step_bytes(section: Section, width: float) -> bytes:
     from toothspace.geometry.ocp import silence_ocp
 
     silence_ocp()
-    solid = BRepPrimAPI_MakePrism(step_face(section), gp_Vec(0.0, 0.0, width / _MILLIMETRE)).Shape()
+    if twist == 0.0:
+        up = gp_Vec(0.0, 0.0, width / _MILLIMETRE)
+        solid = BRepPrimAPI_MakePrism(step_face(section), up).Shape()
+    else:
+        solid = _lofted(section, width, twist)
     name = section.layer.lower()
     writer = STEPControl_Writer()
     Interface_Static.SetCVal_s("write.step.product.name", name)
@@ -183,6 +236,29 @@ def _step_bytes(section: Section, width: float) -> bytes:
         target = Path(folder) / "gear.step"
         writer.Write(str(target))
         return target.read_bytes()
+
+
+def _lofted(section: Section, width: float, twist: float) -> Any:
+    """Return the solid through sections that turn about z as they rise; it has no holes. [mm]."""
+    from OCP.BRepOffsetAPI import BRepOffsetAPI_ThruSections
+    from OCP.BRepTools import BRepTools
+    from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+    from OCP.TopLoc import TopLoc_Location
+
+    if section.holes:
+        raise GeometryError("export", "a twisted section with holes", "one without")
+    loft = BRepOffsetAPI_ThruSections(True, False, 1e-6)
+    for share in np.linspace(0.0, 1.0, max(math.ceil(abs(twist) / _LOFT_ANGLE), _LOFT_LAYERS) + 1):
+        turn, rise = gp_Trsf(), gp_Trsf()
+        axis = gp_Ax1(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0.0, 0.0, 1.0))
+        turn.SetRotation(axis, float(twist * share))
+        rise.SetTranslation(gp_Vec(0.0, 0.0, float(share * width / _MILLIMETRE)))
+        wire = BRepTools.OuterWire_s(step_face(section))
+        wire.Move(TopLoc_Location(rise.Multiplied(turn)))
+        loft.AddWire(wire)
+    loft.CheckCompatibility(False)
+    loft.Build()
+    return loft.Shape()
 
 
 def step_face(section: Section) -> Any:

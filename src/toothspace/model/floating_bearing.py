@@ -23,11 +23,20 @@ FRICTION_LAWS = (STICK, *SMOOTH_LAWS)
 
 
 LoadSource = Literal[
-    "constant", "high", "nose", "node", "journal_x", "journal_y", "contact", "contact_share"
+    "constant",
+    "high",
+    "nose",
+    "node",
+    "journal_x",
+    "journal_y",
+    "contact",
+    "contact_share",
+    "thrust",
 ]
 """What a load follows: one, the pressure of the high-pressure area, of the nose or of a node above
 the low pressure [Pa], a component of the force of the journal bearings on a body, the force of a
-contact between turning bodies [N], or its share of all contact forces [-]."""
+contact between turning bodies [N], its share of all contact forces [-], or that share of the axial
+force with which a helix pushes the body [N]."""
 
 
 @final
@@ -84,6 +93,8 @@ class FilmInterface:
     """Angle of the body's own frame at shaft angle zero. [rad]"""
     root_radius: float = 0.0
     """Where tooth spaces begin; zero for a face without any. [m]"""
+    lead: float = 0.0
+    """Shaft angle by which this end of a body that winds about its axis leads its middle. [rad]"""
     part: str = ""
     """Elastic body of the part of the bearing beside it; empty where the bearing is whole."""
 
@@ -192,7 +203,9 @@ class LateralBalance:
     low_node: int
     """Nodes of the high-pressure port and of the low pressure behind the bearing."""
     body_forces: tuple[AxialForce, ...]
-    """Force on every turning body from its teeth, along z, its place from the axis of the body."""
+    """Force on every turning body that is given, along z, its place from the axis of the body. That
+    of a helix comes from a run and acts there, too.
+    """
     body_masses: tuple[float, ...]
     """Masses of the turning bodies. [kg]"""
     elastic_bodies: ElasticBodies | None = None
@@ -214,6 +227,6 @@ class LateralBalance:
         return tuple(dict.fromkeys(i.body for i in self.interfaces))
 
     def thrust(self, bodies: Collection[str]) -> float:
-        """Axial force of the teeth on turning bodies together, along z. [N]."""
+        """Given axial force on turning bodies together, along z. [N]."""
         forces = zip(self.bodies, self.body_forces, strict=True)
         return sum(force.size for body, force in forces if body in bodies)

@@ -169,7 +169,7 @@ def sampled_loads(description: MachineDescription) -> SampledLoads | None:
 
 def _add_face(weights: Array, own: FilmInterface, angle: float) -> None:
     """Add area and moment about x of one side of a gear, by the nodes whose pressure acts."""
-    face = own.face
+    face, angle = own.face, angle + own.lead
     edges = np.linspace(face.inner_radius, face.outer_radius, _LANES + 1)
     radius = 0.5 * (edges[1:] + edges[:-1])
     turn = (np.arange(_ROWS) + 0.5) * 2.0 * np.pi / _ROWS

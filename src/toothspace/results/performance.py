@@ -35,6 +35,8 @@ LATERAL = {
     "axial_load_N": ("lateral_axial_force", 1.0),
     "axial_moment_N_m": ("lateral_axial_moment", 1.0),
     "smallest_film_um": ("lateral_smallest_gap", 1e6),
+    "floating_side_gap_um": ("floating_side_gap", 1e6),
+    "solid_side_gap_um": ("solid_side_gap", 1e6),
     "contact_force_N": ("lateral_contact_force", 1.0),
     "real_contact_area_mm2": ("lateral_real_contact_area", 1e6),
     "contact_share": ("lateral_contact_share", 1.0),

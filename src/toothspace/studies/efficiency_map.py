@@ -27,6 +27,8 @@ from toothspace.plotting.style import (
     styled,
 )
 from toothspace.results.variables import unit_of
+from toothspace.run.heating import liquid_of
+from toothspace.studies.loss_models import fit_losses, loss_data, loss_numbers, loss_table
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Evaluate,
@@ -91,7 +93,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     -------
     StudyResult
         Summary numbers over ``shaft_speed`` and ``pressure_difference``; measured ones beside
-        them over ``measured_point``.
+        them over ``measured_point``; coefficients of loss models for the liquid at the temperature
+        of the case and no pressure, see :func:`toothspace.studies.loss_models.fit_losses`.
 
     Raises
     ------
@@ -116,13 +119,28 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         "shaft_speed": (study.shaft_speed, "rad/s"),
         "pressure_difference": (study.pressure_difference, "Pa"),
     }
+    data, liquid = map_dataset(axes, records), liquid_of(case)
+    mode = getattr(case.machine, "mode", "pump")
+    fits = fit_losses(
+        data,
+        motor=mode == "motor",
+        dynamic_viscosity=liquid.dynamic_viscosity,
+        density=liquid.density,
+    )
+    data = _driven(data, study.drive).merge(_measured(case, study)).assign_attrs(mode=mode)
     return StudyResult(
         status=status_of(records),
-        data=_driven(map_dataset(axes, records), study.drive).merge(_measured(case, study)),
-        numbers=point_lists(
-            {"shaft_speed_rpm": speeds, "pressure_difference_bar": differences}, records
+        data=data.assign(loss_data(fits)) if fits else data,
+        numbers={
+            **point_lists(
+                {"shaft_speed_rpm": speeds, "pressure_difference_bar": differences}, records
+            ),
+            **loss_numbers(fits),
+        },
+        tables=(
+            numbers_table("iso_4409", heads, TABLE_COLUMNS, records),
+            *([loss_table(fits)] if fits else []),
         ),
-        tables=(numbers_table("iso_4409", heads, TABLE_COLUMNS, records),),
     )
 
 

@@ -13,7 +13,9 @@ import pytest
 import toothspace as ts
 from toothspace import api
 from toothspace.core.errors import CaseError
+from toothspace.gearing.meshing import displacement
 from toothspace.gearing.spaces import section_areas
+from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.periodic_table import smooth_table
@@ -77,6 +79,29 @@ def straight() -> MachineDescription:
     return machine(**{ANGLE: "0 deg", "machine.gears.helix_hand": None})
 
 
+def test_a_drawn_section_winds_as_the_generated_one() -> None:
+    """The helix angle of a profile is that halfway up its teeth: the same lead."""
+    made = ts.load_case(HELICAL)
+    spec = made.machine_spec
+    profile = generate_profile(spec.drive.tooth, 300)
+    halfway = 0.5 * (profile.root_radius + profile.tip_radius)
+    angle = math.degrees(math.atan(spec.helix.turn_per_length * halfway))
+    given = ("tooth_count", "module", "pressure_angle", "profile_shift", "dedendum",
+             "tool_tip_radius", "tip_diameter", "tip_rounding")  # fmt: skip
+    drawn = made.replace(
+        dict.fromkeys([f"machine.gears.{name}" for name in given])
+        | {"machine.gears.profile": (1e3 * profile.closed_polygon()).tolist(),
+           ANGLE: f"{angle} deg"}
+    )  # fmt: skip
+    first, second = spec.helix, drawn.machine_spec.helix
+    assert second.turn_per_length == pytest.approx(first.turn_per_length, rel=1e-5)
+    assert second.base_angle == pytest.approx(first.base_angle, rel=1e-3)
+    sections = [assemble(case.machine_spec) for case in (made, drawn)]
+    assert displacement(sections[1]) == pytest.approx(displacement(sections[0]), rel=5e-4)
+    distances = [section.mesh.center_distance for section in sections]
+    assert distances[1] == pytest.approx(distances[0], abs=2e-6)  # of the same normal backlash
+
+
 def test_volumes_are_those_of_slices() -> None:
     case = ts.load_case(HELICAL)
     found = api.prepare(case).machine
@@ -128,6 +153,8 @@ def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
 def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
+    with pytest.raises(CaseError, match="profile_teeth"):
+        ts.load_case(HELICAL, ("machine.gears.profile_teeth=own",))
     with pytest.raises(CaseError, match="tooth_deviations"):
         ts.load_case(HELICAL, ("machine.gears.tooth_deviations=gear.csv",))
     with pytest.raises(CaseError, match="lateral"):

@@ -134,6 +134,8 @@ def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearP
     if spec.center_distance is not None:
         return spec.center_distance
     backlash = spec.keys.gears.normal_backlash or 0.0
+    if spec.helix is not None:
+        backlash /= np.cos(spec.helix.base_angle)  # of the transverse section
     near = max(
         profiles[0].tip_radius + profiles[1].root_radius,
         profiles[1].tip_radius + profiles[0].root_radius,

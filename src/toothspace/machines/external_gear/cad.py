@@ -16,6 +16,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.files import named_beside
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
+from toothspace.gearing.helix import halfway_up
 from toothspace.geometry.body_section import AXES, SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import STEP_SUFFIXES, load_body_sections
@@ -50,6 +51,8 @@ _BACKLASH = 0.04
 def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Path]:
     """Write the sections of both gears, or of one if they are equal; returns their paths.
 
+    Solids of helical gears wind, each to its own hand.
+
     Raises GeometryError if a tooth cannot be built or the format needs a package that is missing.
 
     Parameters
@@ -60,14 +63,20 @@ def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Pat
         ``txt``, ``dxf``, ``stl`` or ``step``.
     """
     gears = {"drive": spec.drive}
-    if spec.driven is not spec.drive:
+    if spec.driven is not spec.drive or spec.helix is not None:
         gears["driven"] = spec.driven
     paths = []
     for name, gear in gears.items():
         path = stem.with_name(f"{stem.name}_{name}.{suffix}")
         tooth = gear.tooth
         profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
-        export_gear(profile, path, gear.face_width)
+        lead = 0.0 if spec.helix is None else spec.helix.turn_per_length
+        lead *= (
+            1.0
+            if name == "drive"
+            else -spec.drive.tooth.tooth_count / spec.driven.tooth.tooth_count
+        )
+        export_gear(profile, path, gear.face_width, twist=lead * gear.face_width)
         paths.append(path)
     return paths
 
@@ -127,6 +136,11 @@ def draft_case(
         "layer": request.layer,
     }
     lines += [draft_line(f"profile_{k}", value) for k, value in section.items() if value]
+    if drive.helix_angle != 0.0:
+        angle, hand = abs(np.rad2deg(drive.helix_angle)), "right"
+        hand = hand if drive.helix_angle > 0.0 else "left"
+        lines.append(draft_line("helix_angle", f"{angle:.5g} deg", "halfway up the teeth"))
+        lines.append(draft_line("helix_hand", hand))
     lines += _mesh_keys(drive, driven, paired=pair is not None)
     if pair:
         own = _part_keys(driven, unit, folder, "profile")
@@ -189,7 +203,11 @@ def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str
 
 
 def _usual_grooves(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str]:
-    """Grooves that never shut a space between two contacts; none for other than involutes."""
+    """Grooves that never shut a space between two contacts; none for other than involutes.
+
+    Those of a helix lie farther off by a quarter of the twist of the teeth on the base circle: by
+    half of it no space would be open to both, but shut for longer than its wide end needs.
+    """
     profiles = drive.detected.profile, driven.detected.profile
     flanks = [profile.involute for profile in profiles if profile.involute is not None]
     if len(flanks) < 2:
@@ -205,6 +223,9 @@ def _usual_grooves(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list
             lambda a: normal_play(profiles, a) - backlash, 1.0001 * least, most, 1e-9
         )
     spacing = pitch * min(bases / distance, 1.0)
+    middle = halfway_up(profiles[0])
+    twist = abs(np.tan(drive.helix_angle)) * (drive.face_width or 0.0) / middle
+    spacing += 0.5 * twist * flanks[0].base_radius * min(bases / distance, 1.0)
     offset = f"{0.5e3 * spacing:.3g} mm"
     return [
         draft_line("closing_side_offset", offset, "assumed: from the centre line to the edge"),

@@ -83,7 +83,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     if cut is not None:
         laterals = tuple(replace(film, face=None) for film in laterals)
     balance = None
-    if spec.floating_block is not None and helix is None:
+    if spec.floating_block is not None and cut is None:
         # with the bodies that bend, most of the machine's modules
         from toothspace.machines.external_gear.floating.balance import lateral_balance
 

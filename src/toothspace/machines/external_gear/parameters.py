@@ -16,6 +16,9 @@ from toothspace.geometry.continuous_contact import generate_continuous
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
+from toothspace.machines.external_gear.floating.floating_parameters import (
+    FloatingBearingParameters,
+)
 from toothspace.machines.external_gear.spec import (
     PROFILE_KEYS,
     ExternalGearSpec,
@@ -95,17 +98,20 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
     else:
         contour = read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
     floating = machine.floating_bearing
-    if floating is None or floating.high_pressure_area is None:
+    fixed = machine.lateral.arrangement == "fixed"
+    if fixed and floating is not None:
+        _refuse_loads(floating)
+    if floating is None or (floating.high_pressure_area is None and not fixed):
         block = None
     else:
-        table, nose = "floating_bearing", floating.nose
+        table, nose, area = "floating_bearing", floating.nose, floating.high_pressure_area
         block = FloatingBlock(
             keys=floating,
             material=library_material(floating.material, f"{table}.material"),
             length=floating.length or machine.journal_bearings.length,
             arrangement=machine.lateral.arrangement,
             high_pressure_contour=_only_polygon(
-                floating.high_pressure_area.contour, f"{table}.high_pressure_area.contour"
+                area and area.contour, f"{table}.high_pressure_area.contour"
             ),
             nose_contour=_only_polygon(nose and nose.contour, f"{table}.nose.contour"),
         )
@@ -130,6 +136,17 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         grooves=relief,
         floating_block=block,
     )
+
+
+def _refuse_loads(bearing: FloatingBearingParameters) -> None:
+    """Refuse what presses or moves a bearing that rests."""
+    for name in ("high_pressure_area", "nose", "seal_preload", "springs", "housing_contact"):
+        if getattr(bearing, name):
+            allowed = 'leave this key out with lateral.arrangement = "fixed"'
+            raise CaseError(f"floating_bearing.{name}", "a value", allowed)
+    if bearing.split:
+        allowed = 'false with lateral.arrangement = "fixed"'
+        raise CaseError("floating_bearing.split", "true", allowed)
 
 
 def _check_pair(

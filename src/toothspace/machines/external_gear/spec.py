@@ -35,7 +35,7 @@ from toothspace.gearing.gear_tables import (
     ReliefGrooveParameters,
     ReliefGrooves,
 )
-from toothspace.gearing.helix import GENERATED, HelicalGearParameters, Helix
+from toothspace.gearing.helix import ALIKE, HelicalGearParameters, Helix
 from toothspace.gearing.materials import Material
 from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.geometry.continuous_contact import FAMILIES, ContinuousGear, Family
@@ -176,7 +176,9 @@ class GearParameters(HelicalGearParameters):
         else:
             forbid(self, "with involute teeth", "tip_land", "root_clearance")
         if self.helix_angle > 0.0:
-            forbid(self, GENERATED, "tooth_deviations")
+            forbid(self, ALIKE, "tooth_deviations")
+            if self.profile_teeth == "own":
+                raise CaseError("profile_teeth", "'own'", f"'equal' {ALIKE}")
         if self.profile_teeth == "own":
             require(self, 'with profile_teeth = "own"', "profile")
             forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
@@ -400,10 +402,12 @@ class LateralParameters(SideGapParameters):
         "Change of height at the tip radius over the mean height.", low=0, high=0.99, default=0.0
     )
     arrangement: str = choice(
-        "Floating bushings on both sides, on one side, or plates.",
+        "Floating bushings on both sides, on one side, plates, or bushings that rest with the "
+        "gears free between them.",
         "symmetric",
         "asymmetric",
         "plates",
+        "fixed",
         default="symmetric",
     )
 
@@ -550,7 +554,8 @@ class ExternalGearTables(MachineTables):
     def missing_floating_part(self) -> str:
         """Message about what the balance of the floating bearing would need; empty if given."""
         bearing = self.floating_bearing
-        if bearing is not None and bearing.high_pressure_area is not None:
+        fixed = self.lateral.arrangement == "fixed"
+        if bearing is not None and (fixed or bearing.high_pressure_area is not None):
             return ""
         return (
             "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
@@ -591,7 +596,7 @@ class FloatingBlock:
     length: float
     """Axial length. [m]"""
     arrangement: str = "asymmetric"
-    """``symmetric``, ``asymmetric`` or ``plates``."""
+    """``symmetric``, ``asymmetric``, ``plates`` or ``fixed``."""
     high_pressure_contour: Array | None = None
     nose_contour: Array | None = None
     """Outlines on the back face from files. Shape (points, 2). [m]"""
@@ -613,6 +618,8 @@ class FloatingBlock:
 
     def is_floating(self, side: str) -> bool:
         """Whether the bearing on a side is pressed on its back and held by nothing else."""
+        if self.arrangement == "fixed":
+            return False
         return side == "floating" or self.arrangement != "asymmetric"
 
 
@@ -648,8 +655,10 @@ class ExternalGearSpec:
     @property
     def helix(self) -> Helix | None:
         """How the teeth wind about the axes; None for spur gears."""
-        gears = self.keys.gears
-        return gears.helix(self.drive.face_width, flanks_in_turn=gears.is_continuous)
+        gears, tooth = self.keys.gears, self.drive.tooth
+        profile = tooth if gears.profile and isinstance(tooth, GearProfile) else None
+        width = self.drive.face_width
+        return gears.helix(width, profile, flanks_in_turn=gears.is_continuous)
 
     @property
     def continuous(self) -> ContinuousGear | None:

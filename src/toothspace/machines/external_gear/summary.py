@@ -59,6 +59,8 @@ _LARGEST_CHORD = 2e-6
 _LARGEST_FORM_ERROR = 4e-3
 """Of the module: about the total profile tolerance of ISO 1328-1 class 8 for small gears. [-]"""
 _UNEQUAL_PITCH = 1e-3
+_SAME_HELIX = 0.02
+"""Difference of the helix angle of a file, which is known to 1 %, from that of the case. [-]"""
 _ROUND_OFF = 1e-9
 _OVERLAP_TOLERANCE = 0.05
 _LARGEST_PLAY = 0.005
@@ -231,20 +233,33 @@ def _from_files(assembly: Assembly) -> list[FoundGear]:
     return [gear.found for gear in gears if gear.found is not None]
 
 
+def _winding(assembly: Assembly, gear: FoundGear) -> DesignCheck:
+    """Whether the teeth of a file wind as the case says."""
+    spec = assembly.spec
+    taken = 0.0 if spec.helix is None else spec.helix.angle
+    taken *= 1.0 if gear is spec.drive.found else -1.0
+    found, angles = gear.helix_angle, np.rad2deg([taken, gear.helix_angle])
+    plane = gear.body is None  # one section tells no helix
+    hand = "right" if found > 0.0 else "left"
+    return DesignCheck(
+        "helix angle of the profile", float(angles[1]), "deg", f"{angles[0]:.4g} deg",
+        plane or abs(found - taken) <= _SAME_HELIX * abs(taken),
+        f"Teeth that wind by {abs(angles[1]):.4g} deg halfway up, {hand}-handed, count with "
+        f"{angles[0]:.4g} deg: set helix_angle and helix_hand of the drive gear. Overlap, thrust "
+        "and the spread of trapping along the face width follow; the mate has the other hand."
+        if found != 0.0
+        else "The teeth do not wind: leave out helix_angle.",
+    )  # fmt: skip
+
+
 def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Whether profiles from files are good enough for what follows from them."""
     checks: list[DesignCheck] = []
     for gear in _from_files(assembly):
-        angle = abs(gear.helix_angle)
         checks += [
             _chords(gear.detected),
             _form(gear.detected),
-            DesignCheck(
-                "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg",
-                angle == 0.0,
-                "Teeth are taken as spur with this transverse section: overlap, thrust and the "
-                "spread of trapping along the face width are missing.",
-            ),
+            _winding(assembly, gear),
             DesignCheck(
                 "taper of the profile", float(np.rad2deg(gear.taper)), "deg", "0 deg",
                 gear.taper == 0.0,

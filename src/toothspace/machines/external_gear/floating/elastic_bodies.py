@@ -65,7 +65,7 @@ def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
         label = repr(("flank", n, profile.root_radius, profile.tip_radius))
         flank = _flank(assembly, gear, space, side)
         loads.append(LateralPressure(name, flank, pattern, label))
-    if thrust(assembly, gear) != 0.0:
+    if thrust(assembly, gear) != 0.0 or assembly.spec.helix is not None:
         for k in range(profile.tooth_count):
             flank = _flank(assembly, gear, k, 0 if assembly.loaded_is_left else 1)
             loads.append(AxialTraction(f"thrust_{k}", flank))
@@ -73,7 +73,7 @@ def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
 
 
 def thrust(assembly: Assembly, gear: int) -> float:
-    """Axial force of helical teeth on a gear, along z. [N]."""
+    """Axial force on a gear, along z, that is given. [N]."""
     block = assembly.spec.floating_block
     return 0.0 if block is None else block.keys.gear_axial_force[gear]
 
@@ -160,6 +160,8 @@ class GearFlanks:
             if axial != 0.0:
                 name = f"thrust_{space}"
                 found.append(BodyLoad(body, name, "contact_share", contact, axial))
+            if assembly.spec.helix is not None:
+                found.append(BodyLoad(body, f"thrust_{space}", "thrust", contact))
         return found
 
 

@@ -127,7 +127,8 @@ class FloatingBearingParameters(KeyTable):
     )
     gear_axial_force: tuple[float, float] = pair(
         _FORCE,
-        "Axial force of helical teeth on both gears, along z, at the pitch point.",
+        "Axial force on both gears that is given, along z, at the pitch point: of teeth without a "
+        "helix_angle, or of pistons that balance it. That of a helix_angle is added.",
         default=(0.0, 0.0),
     )
 

@@ -1,0 +1,156 @@
+"""Faces beside helical gears: ends that lead and lag, and the axial force that presses them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toothspace as ts
+from tests.lateral_stack import HIGH, loads, pressures, ring_stack
+from toothspace import api
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.floating.equilibrium import SearchSettings, find_equilibrium
+from toothspace.floating.face_grid import FaceGrid
+from toothspace.floating.motion import Balance, StepSettings, state_at
+from toothspace.floating.problem import LateralSettings, lateral_problem, numbers_of
+from toothspace.floating.stack import Stack
+from toothspace.model.lateral_load import chamber_pressures
+from toothspace.run.run import Run
+
+HELICAL = Path(__file__).resolve().parents[3] / "cases" / "helical_pump.toml"
+ANGLE = "machine.gears.helix_angle"
+FIXED = 'machine.lateral.arrangement="fixed"'
+
+
+def fixed_case(**changes: object) -> ts.Case:
+    """The helical pump between bushings that rest."""
+    gone = {f"machine.floating_bearing.{k}": None for k in ("high_pressure_area", "seal_preload")}
+    keys = {"machine.lateral.arrangement": "fixed", "machine.floating_bearing.motion": "axial"}
+    return ts.load_case(HELICAL).replace({**gone, **keys, **changes})
+
+
+@cache
+def prepared(hand: str = "right") -> Run:
+    return api.prepare(ts.load_case(HELICAL, (f"machine.gears.helix_hand={hand}",)))
+
+
+def between_walls(thrust: float | None) -> tuple[Stack, Balance]:
+    """One ring between walls that rest, pushed along its axis."""
+    stack = ring_stack(approach=3e-13, arrangement="fixed")
+    if thrust is not None:
+        stack = replace(stack, thrust=lambda angle: np.array([thrust]))
+    snapshots = (stack.snapshot(0.0, pressures(HIGH)),)
+    begun = state_at(stack, snapshots, stack.start(5e-6))
+    found = find_equilibrium(stack, snapshots, loads(HIGH), begun, SearchSettings(), StepSettings())
+    assert found.settled
+    return stack, found.balance
+
+
+def film_forces(balance: Balance) -> Array:
+    return np.array([film.covered_load[0] for film in balance.states[0].films])
+
+
+def test_the_gap_that_is_pressed_is_the_smaller_one_and_holds_the_force() -> None:
+    _, balance = between_walls(300.0)
+    floating, solid = balance.states[0].mean_gaps()
+    assert floating < 0.95 * solid
+    pressed, other = film_forces(balance)
+    assert pressed - other == pytest.approx(300.0, abs=0.1)
+
+
+def test_the_opposite_force_swaps_the_faces() -> None:
+    gaps = [between_walls(push)[1].states[0].mean_gaps() for push in (300.0, -300.0)]
+    np.testing.assert_allclose(gaps[0], gaps[1][::-1], rtol=2e-5)
+
+
+def test_no_force_is_no_helix() -> None:
+    (_, still), (_, straight) = between_walls(0.0), between_walls(None)
+    np.testing.assert_allclose(still.position, straight.position, rtol=1e-9, atol=1e-18)
+
+
+def test_both_ends_lead_and_lag_by_half_the_twist() -> None:
+    for hand, sense in (("right", 1.0), ("left", -1.0)):
+        found = prepared(hand).machine
+        winding, balance = found.winding, found.lateral_balance
+        assert winding is not None
+        assert balance is not None
+        for interface in balance.interfaces:
+            side = 1.0 if interface.side == "floating" else -1.0
+            assert interface.lead == pytest.approx(0.5 * sense * side * winding.twist, rel=1e-12)
+    spur = api.prepare(
+        ts.load_case(HELICAL).replace({ANGLE: "0 deg", "machine.gears.helix_hand": None})
+    ).machine.lateral_balance
+    assert spur is not None
+    assert {interface.lead for interface in spur.interfaces} == {0.0}
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_spaces_push_the_bearings_as_they_push_the_teeth(hand: str) -> None:
+    r"""The wider end of a space: :math:`A^+ - A^- = \kappa\,dV/d\varphi`, of all spaces together.
+
+    Oil in a space is at rest along the axis, so that nothing is left between the covers.
+    """
+    run, found = prepared(hand), prepared(hand).machine
+    assert found.lateral_balance is not None
+    assert found.winding is not None
+    at, pitch = chamber_pressures(found, run.condition), 2.0 * np.pi / 12
+    bearings, teeth = 0.0, 0.0
+    for angle in (np.arange(6) + 0.5) * pitch / 6:
+        pressure = at(float(angle))
+        for interface in found.lateral_balance.interfaces:
+            grid = FaceGrid(interface, 504, 48)
+            mask = grid.mask(float(angle))
+            push = np.where(mask.open_face, pressure[mask.node] * grid.area, 0.0).sum()
+            bearings += push if interface.side == "floating" else -push
+        rates = [
+            family.angle_ratio
+            * family.volume.derivative(family.phases + family.angle_ratio * angle)[..., 0]
+            for family in found.families
+        ]
+        work = pressure[: found.chamber_count] @ np.hstack(rates)
+        teeth -= found.winding.turn_per_length * work
+    assert abs(teeth) > 500.0
+    # where a groove is open to a space the bearing has the pressure of its port
+    assert bearings == pytest.approx(-teeth, rel=0.06)
+
+
+def test_bushings_that_rest_are_not_pressed() -> None:
+    with pytest.raises(CaseError, match=r"floating_bearing\.high_pressure_area"):
+        ts.load_case(HELICAL, (FIXED,)).machine_spec  # noqa: B018
+    balance = api.prepare(fixed_case()).machine.lateral_balance
+    assert balance is not None
+    assert balance.arrangement == "fixed"
+    assert balance.floating.high_pressure.area == 0.0
+
+
+@pytest.mark.slow
+def test_hands_of_a_machine_swap_its_faces_and_the_forces_close() -> None:
+    gaps, pressed = [], []
+    for hand in ("right", "left"):
+        case = fixed_case(**{"machine.gears.helix_hand": hand})
+        prepared, solution = (
+            api.prepare(case),
+            ts.simulate(case.replace({"run.fidelity": "lumped"})),
+        )
+        problem = lateral_problem(
+            prepared.machine,
+            prepared.fluid,
+            solution.data,
+            LateralSettings(grid=(126, 18), angles=4),
+        )
+        found = problem.settle(problem.started(5e-6))
+        assert found.settled
+        gaps.append(numbers_of(problem, found.balance).gaps)
+        states = found.balance.states
+        thrust = np.mean([state.snapshot.thrust for state in states], axis=0)
+        film = np.mean([[f.covered_load[0] for f in s.films] for s in states], axis=0)
+        np.testing.assert_allclose(film[:2] - film[2:], thrust, atol=0.2)
+        pressed.append(thrust[0])
+    np.testing.assert_allclose(gaps[0], gaps[1][[2, 3, 0, 1]], rtol=1e-3)
+    assert pressed[0] == pytest.approx(-pressed[1], rel=1e-6)
+    assert gaps[0][0] < 0.9 * gaps[0][2]
