@@ -21,7 +21,13 @@ from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.space_paths import FACES
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
+from toothspace.model.description import (
+    ChamberFamily,
+    ContactPair,
+    FlowPath,
+    MachineDescription,
+    Winding,
+)
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 _SECTIONS = 33
@@ -100,6 +106,11 @@ class Helix:
             "overlap_ratio": self.overlap_ratio,
             "total_contact_ratio": contact_ratio + self.overlap_ratio,
         }
+
+    def wound(self, machine: MachineDescription, **section: Any) -> MachineDescription:
+        """Machine along the helix beside the one whose parts are those of its middle section."""
+        spur = replace(machine, **section)
+        return replace(machine, winding=Winding(self.turn_per_length, self.twist, spur))
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""
