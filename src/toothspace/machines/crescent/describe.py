@@ -6,6 +6,7 @@ from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.mesh_cut import AlongTeeth
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import SpaceOutlines
@@ -71,7 +72,7 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
     )
-    return machine if helix is None else helix.wound(machine, **section)
+    return machine if helix is None else helix.wound(machine, AlongTeeth(helix), **section)
 
 
 MACHINE = MachineType("crescent", describe)
