@@ -24,7 +24,7 @@ from toothspace.machines.external_gear.summary import (
     geometry_summary,
 )
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription, Winding
+from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import INLET_PORT
 
 
@@ -49,7 +49,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     families = drive.chambers(gear_bodies.BODIES[0]), driven.chambers(gear_bodies.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
-    helix, section, cut = spec.helix, (families, paths, contacts), None
+    helix, cut = spec.helix, None
+    section = {"families": families, "paths": paths, "contacts": contacts}
     if helix is not None:
         if assembly.flanks_in_turn:
             # the mating tooth fills a space: what lies ahead of it and behind are two chambers
@@ -116,16 +117,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     )
     if helix is None:
         return machine
-    families, paths, contacts = section
-    spur = replace(
-        machine,
-        families=families,
-        paths=paths,
-        contacts=contacts,
-        laterals=faces,
-        chamber_outlines=SpaceOutlines(assembly, numbering),
-    )
-    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur, along))
+    outlines = SpaceOutlines(assembly, numbering)
+    return helix.wound(machine, along, **section, laterals=faces, chamber_outlines=outlines)
 
 
 MACHINE = MachineType("external_gear", describe)
