@@ -108,6 +108,7 @@ def test_a_dragged_groove_lowers_the_peak(page: Any) -> None:
     until(other, "bench.design.tables.machine.relief_grooves.closing_side_offset === '3.4 mm'")
 
 
+@pytest.mark.slow
 def test_keyboard_units_and_variants(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.fill("#variant-name", "first") if page.click("#tabs >> text=Variants") is None else None
@@ -157,6 +158,7 @@ def test_one_cursor_goes_through_all_views(page: Any) -> None:
     assert "Pressure" in film.locator("output").inner_text()
 
 
+@pytest.mark.slow
 def test_the_circuit_is_a_diagram_with_its_values(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.click("#tabs >> text=Circuit")
@@ -190,6 +192,7 @@ def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:
     assert page.locator("#title img").count() == 0
 
 
+@pytest.mark.slow
 def test_cad_files_become_a_running_machine(page: Any, repository: Path) -> None:
     page.click(".card:has-text('Check my CAD')")
     profile = repository / "cases" / "profiles"
@@ -201,6 +204,7 @@ def test_cad_files_become_a_running_machine(page: Any, repository: Path) -> None
     page.wait_for_selector("#tiles .tile")
 
 
+@pytest.mark.slow
 def test_a_study_is_stopped_goes_on_and_is_downloaded(page: Any) -> None:
     """What was finished when it was stopped is not computed again."""
     begin(page, "Quiet a pump")
@@ -225,6 +229,7 @@ def test_a_study_is_stopped_goes_on_and_is_downloaded(page: Any) -> None:
     assert "[machine.relief_grooves]" in Path(given.value.path()).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_dropped_step_files_become_a_running_machine(
     page: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

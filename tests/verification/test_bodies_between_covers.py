@@ -173,6 +173,7 @@ def test_rotors_lean_on_a_cover_and_tilt_as_far_as_it_lets_them() -> None:
     assert found.asperity_torque["outer_rotor"] > 0.0
 
 
+@pytest.mark.slow
 def test_rotors_that_only_lift_stay_parallel_and_carry_their_force_on_asperities() -> None:
     """The film between parallel faces pushes alike at any height: asperities hold the rest."""
     found = rotors("one", "axial")

@@ -50,6 +50,7 @@ def test_threshold_speed_has_the_given_critical_mass() -> None:
         threshold_speed(BEARING, load=LOAD, mass=mass, speeds=(0.1 * SPEED, 0.2 * SPEED))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "grows"), [(0.6, False), (1.6, True)])
 def test_orbit_grows_only_beyond_the_critical_mass(factor: float, grows: bool) -> None:
     """Small disturbance followed over eight revolutions."""

@@ -192,6 +192,7 @@ def test_a_run_that_fails_before_its_second_sample_keeps_the_first():
     assert solution.summary()["status"] == "max_steps"
 
 
+@pytest.mark.slow
 def test_a_rotor_that_whirls_is_followed_to_where_it_repeats():
     """Left to itself it comes closer by 1.5 % in a revolution."""
     case = ts.load_case(CASES / "gerotor_cycloidal.toml").replace(

@@ -132,6 +132,7 @@ def test_every_tooth_carries_in_its_turn(multiple: tuple[MachineDescription, Sol
     assert np.radians(20.0) < beyond.max() < np.radians(45.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["johnson", "pereira"])
 def test_torque_hardly_depends_on_the_elastic_law(
     multiple: tuple[MachineDescription, Solution], law: str

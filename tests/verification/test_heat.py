@@ -91,6 +91,7 @@ def test_heat_is_refused_where_it_would_be_ignored(case: str, overrides: list[st
         ts.load_case(shipped_case(case), overrides)
 
 
+@pytest.mark.slow
 def test_single_revolutions_lead_to_the_temperatures_of_whole_runs(
     monkeypatch: pytest.MonkeyPatch, coupled
 ) -> None:

@@ -237,6 +237,7 @@ def solve_shaft(case: Case) -> None:
     condition_of(case, description, fluid)
 
 
+@pytest.mark.slow
 def test_quadratic_fan_is_the_other_reading_of_the_paper() -> None:
     """4e-7 N m/rpm^2 takes 0.4 N m at 1000 rpm."""
     text = MOTOR.replace('cubic = "4e-7 N m s^3/rad^3"', 'quadratic = "4e-7 N m/rpm^2"')

@@ -234,6 +234,7 @@ def test_the_ideal_machine_delivers_its_displacement(name: str) -> None:
     assert found["mean_flow_L_per_min"] == pytest.approx(wanted / (2e3 * np.pi), rel=5e-3)
 
 
+@pytest.mark.slow
 @shipped
 def test_a_pump_driven_backwards_is_the_motor(name: str) -> None:
     """Mirrored about the centre line, the chambers of a pump are those of the motor."""
@@ -251,6 +252,7 @@ def test_a_pump_driven_backwards_is_the_motor(name: str) -> None:
         assert one.volume(angle) == pytest.approx(mirrored, rel=1e-5, abs=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["crescent_pump", "egm12_motor", "gerotor_trochoidal"])
 def test_friction_is_listed_by_the_mechanisms_of_the_machine(name: str) -> None:
     """What the description does not name takes no energy in the ledger."""

@@ -60,6 +60,7 @@ def test_ideal_ripple_is_the_closed_form(name: str, ripple: float) -> None:
     assert np.allclose(np.abs(power), np.abs(span * flow), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_volumetric_efficiency_rises_with_speed_and_falls_with_pressure_and_temperature() -> None:
     base = number("volumetric_efficiency", "egm12_pump")
     fast = number("volumetric_efficiency", "egm12_pump", 'operating_point.shaft_speed="2500 rpm"')
@@ -82,6 +83,7 @@ PHYSICAL_NUMBERS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", SLOW_FUEL])
 def test_halving_the_tolerance_changes_no_physical_number(name: str) -> None:
     tolerance = ts.load_case(CASES / f"{name}.toml").run.relative_tolerance
@@ -170,6 +172,7 @@ def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -
     assert peak() + 100.0 < peak(later[0]) < 0.5 * peak(later[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "side"), [("egm12_pump", "inlet"), ("egm12_motor", "outlet")])
 def test_running_in_cuts_the_low_pressure_side_only(name: str, side: str) -> None:
     """Casing angle from opposite the mesh in the sense of rotation: outlet first, inlet last."""

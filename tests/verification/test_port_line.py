@@ -41,6 +41,7 @@ def source(*lengths: str) -> StudyResult:
     return run_study(api.load_case(CASE, PORT).replace({"study.line_length": [*lengths]}))
 
 
+@pytest.mark.slow
 def test_ripple_is_that_of_a_small_pump_and_all_balances_close() -> None:
     numbers = pumped().summary()
     assert numbers["status"] == "done"
@@ -50,6 +51,7 @@ def test_ripple_is_that_of_a_small_pump_and_all_balances_close() -> None:
     assert float(numbers["energy_balance_error"]) < 1e-5
 
 
+@pytest.mark.slow
 def test_line_takes_nothing_from_the_machine() -> None:
     """Efficiencies are those at the port, whatever the line and the load dissipate."""
     for name in ("volumetric_efficiency", "overall_efficiency"):
@@ -102,6 +104,7 @@ def test_source_impedance_is_that_of_the_outlet_volume() -> None:
     assert np.asarray(data["misfit"])[0] < 1e-3
 
 
+@pytest.mark.slow
 def test_source_flow_is_the_flow_out_of_the_chambers() -> None:
     """At constant pressure the machine drives its source flow, port volume and all."""
     data = held().data

@@ -348,6 +348,7 @@ def number(solution: Solution, quantity: str) -> float | None:
     return abs(float(match[0])) if match else 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "advice", [pytest.param(x, id=name, marks=x.marks) for name, x in FOLLOWED.items()]
 )

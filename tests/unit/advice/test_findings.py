@@ -63,6 +63,7 @@ def test_the_list_holds_warnings_limits_and_rules_serious_ones_first(
     assert all(finding.text and finding.advice for finding in solution.findings[:2])
 
 
+@pytest.mark.slow
 def test_every_channel_tells_every_finding_once(
     solution: ts.Solution,
     tmp_path: Path,

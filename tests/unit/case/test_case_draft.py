@@ -53,6 +53,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return [*gears, solid(folder / "casing.stl", block)]
 
 
+@pytest.mark.slow
 def test_pump_of_several_files_becomes_a_case(
     parts: list[Path], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -133,6 +133,7 @@ def test_what_an_entry_calls_has_no_machine_code_of_its_own() -> None:
     assert not just_in_time(entry_of).overloads
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_the_way_of_compiling(tmp_path: Path) -> None:
     code = (
         "from toothspace.core.compilation import jit; "
@@ -159,6 +160,7 @@ def test_an_untested_numba_compiles_every_function_on_its_own(
     assert not capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_cache_follows_content_not_place_or_time(tmp_path: Path) -> None:
     elsewhere = tmp_path / "elsewhere"
     shutil.copytree(SOURCES / "toothspace", elsewhere / "toothspace")
@@ -176,6 +178,7 @@ def test_an_entry_depends_on_modules_that_are_imported_as_such() -> None:
     assert "model.arrays" in with_imports({"model.chambers"})
 
 
+@pytest.mark.slow
 def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
     run_python(USE, tmp_path)
     (path,) = kept(tmp_path)

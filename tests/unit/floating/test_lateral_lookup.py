@@ -222,6 +222,7 @@ def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(run: Run
     assert "lateral_leakage_factor" not in runs[0].data
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [-2.0, 0.1, 1.0, 3.0])
 def test_asperities_of_the_faces_oppose_the_own_speed_of_a_gear(share: float) -> None:
     """With compliant teeth the driven gear turns on its own; the flow past it pulls as before."""
@@ -301,6 +302,7 @@ def _seated(
     return replace(run, machine=machine).march(), seats
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slope", [0.5, -0.3, -5.0])
 def test_seats_and_gaps_come_to_agree(
     run: Run, slope: float, monkeypatch: pytest.MonkeyPatch
@@ -312,6 +314,7 @@ def test_seats_and_gaps_come_to_agree(
     assert not found.warnings
 
 
+@pytest.mark.slow
 def test_seats_that_never_agree_with_the_gaps_are_told(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

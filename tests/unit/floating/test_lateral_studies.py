@@ -112,6 +112,7 @@ def test_result_lists_every_point_with_units(study: LateralStudy) -> None:
     assert result.summary()["loop_area_um_bar"] == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hysteresis", "nose_pressure"])
 def test_figures_and_page(kind: str, study: LateralStudy, tmp_path: Path) -> None:
     result = replace(study.result({}), kind=kind)

@@ -111,6 +111,7 @@ def test_file_is_read(motor: tuple[Case, MachineDescription], tmp_path: Path) ->
     assert table.packed().shape == (4, 1, 2, 3, 5)
 
 
+@pytest.mark.slow
 def test_files_of_other_machines_are_refused(
     motor: tuple[Case, MachineDescription], tmp_path: Path
 ) -> None:

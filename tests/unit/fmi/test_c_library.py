@@ -147,6 +147,7 @@ def test_a_copy_and_a_saved_state_go_on_alike(library: ctypes.CDLL, machine: Mac
     library.toothspace_destroy(copy.handle)
 
 
+@pytest.mark.slow
 def test_a_motor_starts_from_rest_when_its_load_lets_it(
     library: ctypes.CDLL, tmp_path: Path
 ) -> None:

@@ -45,6 +45,7 @@ def test_ports_and_shaft_are_terminals(tmp_path: Path) -> None:
     assert {f"sources/{name}" for name in listed} <= names
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(found_compiler() is None, reason="no C compiler")
 def test_a_host_in_c_runs_the_binary_and_one_from_the_sources(tmp_path: Path) -> None:
     with zipfile.ZipFile(_written(tmp_path)) as archive:

@@ -14,6 +14,7 @@ from toothspace.core.errors import CaseError, GeometryError
 CASES = Path(__file__).resolve().parents[3] / "cases"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "key", "value", "rule"),
     [

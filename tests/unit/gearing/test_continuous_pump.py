@@ -38,6 +38,7 @@ def machine(**changes: Any) -> MachineDescription:
     return api.prepare(case).machine
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_displacement_is_that_of_the_contact(family: str) -> None:
     spec = family_case(family).machine_spec
@@ -45,6 +46,7 @@ def test_displacement_is_that_of_the_contact(family: str) -> None:
     assert displacement(assemble(spec)) == pytest.approx(exact, rel=2e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("overlap", [0.5, 0.7, 1.0])
 def test_harmonics_of_the_section_fall_by_sine_over_argument(overlap: float) -> None:
     assembly = assemble(ts.load_case(CASE).machine_spec)
@@ -89,6 +91,7 @@ def test_no_filling_joins_both_ports() -> None:
     assert short.value < 0.2
 
 
+@pytest.mark.slow
 def test_shares_of_slices_that_touch_carry_the_whole_load() -> None:
     contact = machine(face_width="24 mm").contacts[0]
     angles = np.linspace(0.0, 2.0 * np.pi, 50)
@@ -97,6 +100,7 @@ def test_shares_of_slices_that_touch_carry_the_whole_load() -> None:
     np.testing.assert_allclose(np.sum(shares, axis=0), 1.0, rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_a_run_closes_and_is_steady() -> None:
     found = ts.simulate(CASE).summary()
     assert found["status"] == "done"
@@ -107,6 +111,7 @@ def test_a_run_closes_and_is_steady() -> None:
     assert found["max_chamber_pressure_bar"] < 130.0
 
 
+@pytest.mark.slow
 def test_elastic_teeth_touch_on_both_flanks() -> None:
     found = ts.simulate(CASE, run__mesh="elastic")
     assert found.summary()["energy_balance_error"] < 1e-5
@@ -191,6 +196,7 @@ def test_what_is_not_there_is_refused() -> None:
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_two_flanks_take_three_quarters_off_the_pulsation_and_continuous_contact_the_rest() -> None:
     """Makers state about 75 % less by two-flank contact."""
     keys: dict[str, Any] = {

@@ -48,6 +48,7 @@ def test_a_harmonic_falls_by_the_sine_over_its_argument(overlap: float) -> None:
         assert mean.values[0, 0] == pytest.approx(np.sinc(k * overlap), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_ideal_flow_of_a_whole_overlap_does_not_pulsate() -> None:
     """Overlap 1 at 19 degrees; the ideal machine knows no leak along the helix."""
     spur, half, whole = (
@@ -104,6 +105,7 @@ def test_a_drawn_section_winds_as_the_generated_one() -> None:
     assert distances[1] == pytest.approx(distances[0], abs=2e-6)  # of the same normal backlash
 
 
+@pytest.mark.slow
 def test_volumes_are_those_of_slices() -> None:
     case = ts.load_case(HELICAL)
     found = api.prepare(case).machine
@@ -130,6 +132,7 @@ def test_shares_of_all_slices_carry_the_whole_load() -> None:
     np.testing.assert_allclose(shares.sum(axis=1), 1.0, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_mirrored_hands_differ_in_the_sense_of_the_axial_force_alone() -> None:
     right, left = solved("right"), solved("left")
     np.testing.assert_array_equal(right.data["chamber_pressure"], left.data["chamber_pressure"])
@@ -137,6 +140,7 @@ def test_mirrored_hands_differ_in_the_sense_of_the_axial_force_alone() -> None:
     assert right.summary()["axial_force_N"] > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", ["rigid", "elastic"])
 def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
     """Pressure and contact add up on the drive gear and cancel on the driven one."""

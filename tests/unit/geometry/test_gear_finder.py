@@ -177,6 +177,7 @@ def step_gear(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_damaged_step_file_is_refused_in_one_line(tmp_path: Path) -> None:
     path = step_gear(tmp_path)
     damaged, random = bytearray(path.read_bytes()), np.random.default_rng(0)

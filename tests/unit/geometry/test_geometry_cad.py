@@ -31,6 +31,7 @@ def write(folder, name, content):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("suffix", "gear", "count"),
     [

@@ -56,6 +56,7 @@ def exact(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     return dict(api.describe(case).geometry_summary)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "drawn",
     [

@@ -11,6 +11,7 @@ import toothspace as ts
 TURN = 2e6 * math.pi
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("machine", "volume", "pressure", "speed"),
     [

@@ -109,6 +109,7 @@ def test_svg_is_reproducible(parts) -> None:
     assert first.startswith("<svg")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shaft_angle", [0.0, 0.2, 3.0])
 @pytest.mark.parametrize(
     "name", ["egm12_pump", "crescent_pump", "gerotor_trochoidal", "gerotor_cycloidal"]

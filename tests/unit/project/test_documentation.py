@@ -259,6 +259,7 @@ def test_tutorial_runs(
         shown |= printed_numbers(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_figures")
 @pytest.mark.parametrize("name", on_the_way("notebook"))
 def test_notebook_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -118,6 +118,7 @@ def test_a_machine_that_runs_another_way_is_told(
         assert (part in found) == (part in parts), found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "hits"), [("gerotor_cycloidal", True), ("gerotor_trochoidal", False)]
 )

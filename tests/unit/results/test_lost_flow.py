@@ -117,6 +117,7 @@ def test_tips_that_would_cut_an_unworn_casing_are_named() -> None:
     assert not any("would cut" in w.text for w in run("egm12_pump", *narrow).warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["egm12_pump", "egm12_motor", "crescent_pump", "gerotor_cycloidal"]
 )

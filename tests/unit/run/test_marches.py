@@ -17,6 +17,7 @@ def test_a_march_against_an_orifice_begins_where_the_last_one_ended() -> None:
     assert two == pytest.approx(one, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_march_of_other_parts_begins_anew() -> None:
     case = ts.load_case("egm12_pump").replace({"machine.casing.wear_in": None, "heat": None})
     run = ts.prepare(case)

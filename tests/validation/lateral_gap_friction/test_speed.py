@@ -64,15 +64,16 @@ def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
 def test_claims_about_nose_and_speed_on_the_shipped_case() -> None:
     """Low pressure fast, low pressure slow, high pressure fast, five nose pressures each.
 
-    Against the source, friction holds the bearing at low pressure and speed (claim
-    ``fuel_pump_nose`` of the validation book, which fails).
+    Against the source, friction holds the bearing at low pressure, and high pressure moves it
+    (claim ``fuel_pump_nose`` of the validation book, which fails).
     """
     study = solve_path(load_case(CASES / "nose_pressure.toml"))
     assert study.status is Status.DONE
     fast, slow, high = np.array([p.numbers.position for p in study.points]).reshape(3, 5)
-    assert np.ptp(fast) > TELL
-    assert np.ptp(high) < TELL
     held = np.reshape(study.held_by_friction, (3, 5))
-    assert not held[0].any()
-    assert held[1:].all()
+    assert held[:2].all()
+    assert np.ptp(fast) < TELL
     assert np.ptp(slow) < TELL
+    assert not held[2].any()
+    # the nose presses it towards the gears
+    assert high[-1] < high[0] - TELL
