@@ -160,6 +160,7 @@ def test_films_keep_the_balances() -> None:
     assert solved["flow_ripple_percent"] < 3.0
 
 
+@pytest.mark.slow
 def test_rules_name_what_spoils_the_contact() -> None:
     def failed(**changes: Any) -> set[str]:
         return {check.name for check in machine(**changes).checks if not check.passed}
