@@ -120,6 +120,9 @@ class Solution:
             numbers = performance.summary_numbers(self.data, self.ledger)
             numbers |= performance.lateral_numbers(self.data, self.statistics)
             numbers |= contact_numbers(self.data)
+            if "pressure_along_spaces" in self.statistics:
+                along = self.statistics["pressure_along_spaces"]
+                numbers["pressure_along_spaces_bar"] = along / 1e5
         return Summary(**numbers, status=self.status.name.lower(), wall_time_s=wall)
 
     def tooth_contacts(self) -> ToothContacts:
