@@ -48,6 +48,7 @@ def test_jacobian_is_the_derivative_of_the_rates() -> None:
         assert np.abs(matrix[: size.core, column] - expected).max() < 2e-3 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_film_of_the_blocks_carries_what_both_gears_press() -> None:
     """Without inertia the forces on blocks and gears cancel, as those of both bearings do."""
     data = steady(FREE).data

@@ -141,6 +141,7 @@ def test_values_between_nodes(
     assert now[LAG_TIME] == pytest.approx(LAG_NUMBER * viscosity / difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_load_is_that_of_the_faces(run: Run) -> None:
     machine = replace(run.machine, lateral_table=Films().table())
     balance = machine.lateral_balance
@@ -207,6 +208,7 @@ def test_one_node_is_a_machine_of_other_gaps(run: Run) -> None:
     assert not np.allclose(closed.path[:, HEIGHT], arrays.path[:, HEIGHT], rtol=0.1)
 
 
+@pytest.mark.slow
 def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(run: Run) -> None:
     coarse = replace(run.case.run, samples_per_revolution=60, max_revolutions=2)
     ready = replace(run, case=replace(run.case, run=coarse)).worn().with_films()

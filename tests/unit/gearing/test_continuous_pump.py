@@ -64,6 +64,7 @@ def test_harmonics_of_the_section_fall_by_sine_over_argument(overlap: float) -> 
     assert np.abs(before[[1, 3, 5]]).max() < 1e-4 * np.abs(before[2])
 
 
+@pytest.mark.slow
 def test_fillings_hold_what_the_spaces_hold() -> None:
     found = machine()
     angles = np.linspace(0.0, 2.0 * np.pi, 60)

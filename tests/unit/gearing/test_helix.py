@@ -156,6 +156,7 @@ def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
     assert numbers["energy_balance_error"] < 1e-5
 
 
+@pytest.mark.slow
 def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
