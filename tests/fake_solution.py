@@ -274,6 +274,7 @@ def _bodies(angle: Array) -> dict[str, Array]:
         "body_position": np.stack([orbit, orbit * mirror], axis=1),
         "body_force": np.stack([force, force * mirror], axis=1),
         "journal_force": -np.stack([force, force * mirror], axis=1),
+        "axial_force": 0.1 * force,
         "journal_film_height": np.full((angle.size, 2), 2e-6),
         "contact_force": 4000.0 * contact,
         "contact_gap": 5e-5 * (0.2 - contact).clip(0.0),

@@ -20,6 +20,7 @@ def _marked(claim):
 HAD = [_marked(claim) for claim in CLAIMS if claim.measure is not None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", HAD)
 def test_short(claim) -> None:
     found = examine(claim, "short")

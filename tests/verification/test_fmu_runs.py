@@ -80,6 +80,7 @@ def direct(case: Case, speed: float, bar: float) -> ts.Solution:
     return ts.simulate(case.replace(at))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "bar", "within", "kept"),
     [

@@ -222,6 +222,7 @@ def test_a_rotor_that_whirls_is_followed_to_where_it_repeats():
     assert solution.summary()["energy_balance_error"] < 1e-5
 
 
+@pytest.mark.slow
 def test_a_rotor_whirling_at_half_speed_in_thick_oil_costs_few_steps():
     """Its film force is proportional to a velocity near zero whose direction decides the slope."""
     case = ts.load_case(CASES / "gerotor_trochoidal.toml").replace(

@@ -148,6 +148,7 @@ def test_torque_hardly_depends_on_the_elastic_law(
     assert torque[1] == pytest.approx(torque[0], rel=0.01)
 
 
+@pytest.mark.slow
 def test_published_tip_gap_leaks_as_its_fit(
     multiple: tuple[MachineDescription, Solution],
 ) -> None:

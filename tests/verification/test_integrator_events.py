@@ -37,6 +37,7 @@ def test_samples_between_steps_are_as_accurate_as_the_steps():
     assert error < 4.0 * max(end_error, 1e-7)
 
 
+@pytest.mark.slow
 def test_first_and_last_sample_are_the_start_and_the_end():
     run = _oscillator()
     run.sample(np.array([0.0, 2.0]))

@@ -98,6 +98,7 @@ def test_every_registered_machine_has_a_reference_case() -> None:
     assert set(machine_type_names()) <= set(MACHINES.values())
 
 
+@pytest.mark.slow
 @every_machine
 def test_tables_are_periodic_and_finite(name: str) -> None:
     """The step over the end of the period is one like the others."""
@@ -222,6 +223,7 @@ def test_equal_pressure_gives_no_net_force_or_moment(name: str) -> None:
     assert np.all(np.abs(net).max(axis=0) < 1e-5 * largest)
 
 
+@pytest.mark.slow
 @shipped
 def test_the_ideal_machine_delivers_its_displacement(name: str) -> None:
     """Volume tables and openings against the closed form of the displacement."""

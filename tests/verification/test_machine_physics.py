@@ -29,6 +29,7 @@ def number(key: str, name: str, *overrides: str) -> float:
 SLOW_FUEL = pytest.param("fuel14_pump", marks=pytest.mark.slow)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", SLOW_FUEL])
 def test_balances_close_with_all_motions_free(name: str) -> None:
     solution = solved(name)
@@ -130,6 +131,7 @@ def test_space_that_opens_late_cavitates(name: str) -> None:
     assert vapour("5.5 mm", TIGHT) > 0.3
 
 
+@pytest.mark.slow
 def test_load_orifice_holds_the_mean_and_answers_the_flow_ripple() -> None:
     """Linear load: outlet pressure over flow through the orifice is twice the mean ratio.
 

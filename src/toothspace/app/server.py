@@ -534,7 +534,9 @@ class BenchServer:
         self._socket = _listen(host, port)
         self.port = int(self._socket.getsockname()[1])
         self.bench = Bench(folder)
-        names = {host, HOST, "localhost"} if host == HOST else {host, *_own_names()}
+        names = {host, HOST, "localhost"}
+        if host != HOST:
+            names |= {socket.gethostname(), socket.getfqdn()}
         hosts = {f"{name}:{self.port}" for name in names}
         self._guard = Guard(application(self.bench), hosts, LARGEST_UPLOAD)
         self._shown = HOST if host in {"0.0.0.0", "::"} else host
@@ -593,7 +595,3 @@ def _listen(host: str, port: int) -> socket.socket:
     except OSError as error:
         found = f"{host}:{port}, {error.strerror or error}"
         raise CaseError("--port", found, "a free port and an address of this computer") from error
-
-
-def _own_names() -> set[str]:
-    return {HOST, "localhost", socket.gethostname(), socket.getfqdn()}

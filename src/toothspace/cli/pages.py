@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _MEASURED = {"shaft_speed": "rpm", "pressure_difference": "bar"}
 """Signals of a measurement that figures can lay over results."""
-_EXPORTS = (".csv", ".xlsx", ".mat", ".vtkhdf", ".data", ".mo")
+_EXPORTS = (".csv", ".xlsx", ".mat", ".vtkhdf", ".json", ".data", ".mo")
 """Formats of results for other programs, by the ending of the file."""
 
 
@@ -129,13 +129,20 @@ def export(
             "-o",
             "--output",
             metavar="FILE",
-            help="File by its ending: .csv, .xlsx, .mat, .vtkhdf, of a map also .data and .mo.",
+            help="File by its ending: .csv, .xlsx, .mat; of a run also .vtkhdf and .json, of a map "
+            ".data and .mo.",
         ),
     ],
     frames: Annotated[int, typer.Option(min=1, max=7200, help="States of a VTKHDF file.")] = 121,
+    manufacturer: Annotated[
+        str, typer.Option(metavar="NAME", help="Manufacturer, in technical data (.json).")
+    ] = "",
+    article: Annotated[
+        str, typer.Option(metavar="NUMBER", help="Article number, in technical data (.json).")
+    ] = "",
     force: Force = False,
 ) -> int:
-    """Write a result for other programs: tables, Excel, MATLAB, ParaView, Amesim, Modelica."""
+    """Write a result for other programs: tables, Excel, MATLAB, ParaView, simulators."""
     from toothspace.core.netcdf import read_dataset
     from toothspace.results import exchange
     from toothspace.results.solution import load_solution
@@ -146,9 +153,13 @@ def export(
     data = read_dataset(result, "a NetCDF file of a run or study")
     solution = None if "study" in data.attrs else load_solution(result)
     data = data if solution is None else solution.data
-    if target.suffix == ".vtkhdf":
-        if solution is None:
-            raise CaseError("-o", "a study for '.vtkhdf'", "the result of a run")
+    if target.suffix in {".vtkhdf", ".json"} and solution is None:
+        raise CaseError("-o", f"a study for {target.suffix!r}", "the result of a run")
+    if target.suffix == ".json" and solution is not None:
+        from toothspace.results.technical_data import write_technical_data
+
+        write_technical_data(solution, target, manufacturer, article)
+    elif target.suffix == ".vtkhdf" and solution is not None:
         from toothspace.plotting.space_series import write_space_series
 
         with output.progress(f"{result.stem}:") as progress:

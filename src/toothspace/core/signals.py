@@ -1,4 +1,4 @@
-"""Tables of measured or prescribed signals: columns ``name [unit]`` of a CSV file."""
+"""Tables of measured or prescribed signals: columns ``name [unit]`` of a CSV file or workbook."""
 
 from __future__ import annotations
 
@@ -6,16 +6,21 @@ import csv
 import re
 import reprlib
 from collections.abc import Mapping
+from io import BytesIO
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.files import read_bytes
+from toothspace.core.lazy import package_of_extra
 from toothspace.core.types import Array
 from toothspace.core.units import compatible, to_si
 
 _LARGEST_FILE = 50_000_000
+_LONGEST_SHEET = 1_048_576
+"""Rows of a sheet of Excel."""
 _HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
 
 
@@ -47,10 +52,17 @@ def column_names(path: Path) -> list[str]:
 
 
 def read_rows(path: Path) -> list[list[str]]:
-    """Return the cells of a CSV file, separated by commas or semicolons, without empty rows.
+    """Return the cells of a CSV file or of the first sheet of a workbook, without empty rows.
 
-    Raises CaseError if it is no CSV file.
+    Raises CaseError if it is neither; GeometryError if a workbook needs the extra ``excel``.
+
+    Parameters
+    ----------
+    path : Path
+        File in CSV with commas or semicolons, or ``.xlsx``.
     """
+    if path.suffix.lower() == ".xlsx":
+        return _sheet_rows(path)
     allowed = "a CSV file in UTF-8"
     try:
         text = read_bytes(path, str(path), allowed, _LARGEST_FILE).decode("utf-8-sig")
@@ -58,6 +70,21 @@ def read_rows(path: Path) -> list[list[str]]:
         return [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
     except (csv.Error, UnicodeDecodeError) as error:
         raise CaseError(path, error, allowed) from error
+
+
+def _sheet_rows(path: Path) -> list[list[str]]:
+    """Cells of the first sheet of a workbook, with values in place of formulas."""
+    openpyxl = package_of_extra("openpyxl", "excel", f"{path}: found a workbook")
+    allowed = "a workbook of Excel"
+    content = BytesIO(read_bytes(path, str(path), allowed, _LARGEST_FILE))
+    try:
+        book = openpyxl.load_workbook(content, read_only=True, data_only=True)
+        sheet = book.worksheets[0]
+        rows = islice(sheet.iter_rows(values_only=True), _LONGEST_SHEET)
+        found = [["" if cell is None else str(cell) for cell in row] for row in rows]
+    except Exception as error:  # what a damaged workbook raises is up to its reader
+        raise CaseError(path, "a file that cannot be read as one", allowed) from error
+    return [row for row in found if any(row)]
 
 
 def _names(rows: list[list[str]]) -> dict[str, tuple[int, str]]:

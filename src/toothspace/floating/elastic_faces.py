@@ -377,8 +377,8 @@ def loaded_bodies(
 ) -> ElasticFaces:
     """Elastic bodies of a machine under the loads of a lumped solution.
 
-    Raises CaseError if the machine has no elastic bodies; GeometryError if a body cannot be meshed
-    or condensed.
+    Raises CaseError if the machine has no elastic bodies, or bearings that rest; GeometryError if a
+    body cannot be meshed or condensed.
 
     Parameters
     ----------
@@ -391,7 +391,7 @@ def loaded_bodies(
     data : xarray.Dataset
         Samples of one revolution.
     """
-    if balance.elastic_bodies is None:
+    if balance.elastic_bodies is None or balance.arrangement == "fixed":
         raise CaseError("run.deformation", "'bodies'", "'winkler' or 'none' here")
     made = balance.elastic_bodies()
     bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}

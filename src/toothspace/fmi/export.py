@@ -130,16 +130,16 @@ def write_fmu(
     with Workers(workers) as pool:
         context = StudyContext(progress, pool, Records(kept, resume=True))
         records = map_records(steady, pairs, context, ShaftSamples())
-    status = status_of(records)
+    status, description = status_of(records), api.describe(steady)
+    broken = [rule_finding(check).sentence for check in description.checks if not check.passed]
     numbers: dict[str, Any] = {
         "pressure_difference_bar": [from_si(value, "bar") for value in pressures],
         "shaft_speed_rpm": [from_si(value, "rpm") for value in speeds],
         "points": len(records),
         "points_failed": failed_count(records),
-        "warnings": [*_warnings(pairs, records), *_broken_rules(steady)],
+        "warnings": [*_warnings(pairs, records), *broken],
     }
     if status is Status.DONE:
-        description = api.describe(steady)
         family = description.families[0]
         data = tables_of(records, pressures, speeds, round(family.count * abs(family.angle_ratio)))
         data["low_pressure"] = low
@@ -187,12 +187,6 @@ def _axis(name: str, unit: str, given: Sequence[float]) -> list[float]:
         found = ", ".join(f"{from_si(value, unit):g} {unit}" for value in given)
         raise CaseError(name, found, "at least two values above zero")
     return values
-
-
-def _broken_rules(case: Case) -> list[str]:
-    """Design rules that the machine does not meet."""
-    checks = api.describe(case).checks
-    return [rule_finding(check).sentence for check in checks if not check.passed]
 
 
 def _warnings(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> list[str]:

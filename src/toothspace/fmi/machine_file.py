@@ -185,16 +185,12 @@ def machine_file(
         system = assemble(run.machine, run.fluid, moved)
         state = start_state(system)
     else:
-        system = assemble(run.machine, run.fluid, _kept_speed(given))
+        # a prescribed speed over time, which steps of the library change
+        kept = np.array([[0.0, given.shaft_speed], [_FOREVER, given.shaft_speed]])
+        system = assemble(run.machine, run.fluid, replace(given, speed_schedule=kept))
         state = start_state(steady)
     content, variables = _file(system, state, library.digest)
     return MachineFile(content, variables, case.title or case.name)
-
-
-def _kept_speed(condition: OperatingCondition) -> OperatingCondition:
-    """Condition with a prescribed speed over time, which steps of the library change."""
-    speed = condition.shaft_speed
-    return replace(condition, speed_schedule=np.array([[0.0, speed], [_FOREVER, speed]]))
 
 
 def _flow_ports(

@@ -166,14 +166,9 @@ def _meaning(one: MachineVariable) -> str:
     return meaning + _LINE if word == "shaft_speed" and one.is_input else meaning
 
 
-def _unit_of(one: MachineVariable) -> str:
-    """Unit in the spelling of FMI."""
-    return one.unit.replace(" ", ".")
-
-
 def _attributes(one: MachineVariable) -> dict[str, str]:
     start = {"start": repr(one.start)} if one.is_input else {}
-    return unit_attributes(_unit_of(one)) | start
+    return unit_attributes(one.unit.replace(" ", ".")) | start
 
 
 def _root(machine: MachineFile, name: str, **version: str) -> ElementTree.Element:
@@ -195,7 +190,7 @@ def _described(reference: int, one: MachineVariable) -> dict[str, str]:
         "valueReference": str(reference),
         "description": _meaning(one),
         "causality": _causality(one),
-        "variability": _variability(one),
+        "variability": "tunable" if one.role == INERTIA else "continuous",
     }
 
 
@@ -274,10 +269,6 @@ def _add_common(root: ElementTree.Element) -> None:
     add_units(root, UNITS)
     part(part(root, "LogCategories"), "Category", name="logStatusError")
     part(root, "DefaultExperiment", startTime="0", stopTime="0.1", stepSize=repr(_FIRST_STEP))
-
-
-def _variability(one: MachineVariable) -> str:
-    return "tunable" if one.role == INERTIA else "continuous"
 
 
 def _terminals(machine: MachineFile) -> str:

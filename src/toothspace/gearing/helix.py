@@ -9,6 +9,7 @@ those of the sections over the twist :math:`\varphi = b\,|\kappa|` of the whole 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -21,7 +22,13 @@ from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.space_paths import FACES
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
+from toothspace.model.description import (
+    ChamberFamily,
+    ContactPair,
+    FlowPath,
+    MachineDescription,
+    Winding,
+)
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 _SECTIONS = 33
@@ -100,6 +107,24 @@ class Helix:
             "overlap_ratio": self.overlap_ratio,
             "total_contact_ratio": contact_ratio + self.overlap_ratio,
         }
+
+    def wound(
+        self,
+        machine: MachineDescription,
+        along: Callable[[FlowPath], tuple[FlowPath, ...]],
+        **section: Any,
+    ) -> MachineDescription:
+        """Machine along the teeth that knows the one whose parts are those of its middle section.
+
+        Parameters
+        ----------
+        along : callable
+            What a path of the section becomes along the teeth.
+        **section : object
+            Fields of the description in which the machine of the section differs.
+        """
+        spur = replace(machine, **section)
+        return replace(machine, winding=Winding(self.turn_per_length, self.twist, spur, along))
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""
@@ -200,9 +225,17 @@ class Helix:
             middle = value[sections // 2]
             return np.where(total.reshape(-1, *extra) > 0.0, part.sum(axis=0) / some, middle)
 
+        length = mean(wide, found[..., 2])
+        if path.kind == "parallel_gap":
+            # as long as a gap of that height and width that leaks as much
+            leaks = share * wide * height**power
+            long = np.where(found[..., 2] > 0.0, found[..., 2], 1.0)
+            conducts, whole = (leaks / long).sum(axis=0), leaks.sum(axis=0)
+            safe_conducts = np.where(conducts > 0.0, conducts, 1.0)
+            length = np.where(conducts > 0.0, whole / safe_conducts, length)
         leaking = (share * wide * height**power).sum(axis=0) / safe
         high = np.where(width > 0.0, leaking ** (1.0 / power), height[sections // 2])
-        geometry = np.column_stack([high, width, mean(wide, found[..., 2])])
+        geometry = np.column_stack([high, width, length])
         drag = path.drag_speed
         if drag is not None:
             speeds = self._over(drag, leads)[..., 0]

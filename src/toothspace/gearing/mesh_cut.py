@@ -17,12 +17,15 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.gearing.helix import Helix
 from toothspace.gearing.numbering import FULL_TURN
 from toothspace.model.description import ChamberFamily, FlowPath
 from toothspace.model.path_category import PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 ROOT = PathCategory("root", "tips in roots", "#D55E00", "gap")
+_FINE = 80
+"""Nodes on a pitch of tables that are cut. [-]"""
 _REST = 0.01
 """Least volume of a chamber over its largest: what waits between two fillings. [-]"""
 _BREATHER = 0.02
@@ -70,6 +73,9 @@ class CutSpaces:
         A filling N is followed by N + 1 in the casing, and by N + ``tooth_count`` in its space.
         """
         half, z, first = 0.5 * self.pitch, self.tooth_count, np.arange(self.count)
+        if path.nodes_a.min() >= 2 * z:  # from a port, which no filling touches
+            more = 2 * (self.count - z)
+            return [replace(path, nodes_a=path.nodes_a + more, nodes_b=path.nodes_b + more)]
         gear = 0 if path.nodes_a.max() < z else 1
         if path.name == "flank_leading":
             # the driven space ahead passes the middle half a pitch before
@@ -144,7 +150,9 @@ class CutSpaces:
     ) -> FlowPath:  # fmt: skip
         geometry = path.geometry
         if geometry.values.shape[0] < 2 * self.tooth_count:
-            geometry = _constant(geometry, 80 * self.tooth_count)
+            geometry = _constant(geometry, _FINE * self.tooth_count)
+        elif geometry.values.shape[0] < _FINE * self.tooth_count:
+            geometry = _finer(geometry, _FINE * self.tooth_count)
         window = self._window(geometry, start, end)
         longer = self._longer(geometry, None)
         values = longer.values.copy()
@@ -195,10 +203,32 @@ class CutSpaces:
         if table is None:
             return None
         if table.values.shape[0] != like.values.shape[0]:
-            table = _constant(table, like.values.shape[0])
+            varies = np.ptp(table.values, axis=0).max() > 0.0
+            table = (_finer if varies else _constant)(table, like.values.shape[0])
         return self._longer(table, None)
+
+
+@final
+@dataclass(frozen=True)
+class AlongTeeth:
+    """What a path of the section becomes along the helix, with spaces that are cut or not."""
+
+    helix: Helix
+    """How the teeth wind."""
+    cut: CutSpaces | None = None
+    """Fillings of the spaces; None where a space is one chamber."""
+
+    def __call__(self, path: FlowPath) -> tuple[FlowPath, ...]:
+        """Paths along the helix."""
+        parts = [path] if self.cut is None else self.cut.paths(path)
+        return tuple(self.helix.path(part) for part in parts)
 
 
 def _constant(table: PeriodicTable, rows: int) -> PeriodicTable:
     values = np.tile(table.values[:1], (rows, 1))
     return PeriodicTable(table.period, values, np.zeros_like(values))
+
+
+def _finer(table: PeriodicTable, rows: int) -> PeriodicTable:
+    nodes = table.period * np.arange(rows) / rows
+    return monotone_table(table.period, table(nodes))

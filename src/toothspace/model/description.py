@@ -224,6 +224,8 @@ class Winding:
     """Shaft angle between the sections at both ends. [rad]"""
     section: MachineDescription
     """The machine with the section of the middle over its whole width."""
+    along: Callable[[FlowPath], tuple[FlowPath, ...]]
+    """What a path of that section becomes along the teeth."""
 
 
 @final

@@ -57,8 +57,9 @@ class FigureEntry:
 FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "gear_section",
-        "Section with the pressure of every chamber at four angles within one tooth pitch. "
-        "Dashed: relief grooves, and ports in the covers.",
+        "Section with the pressure of every chamber at four angles within one tooth pitch; of "
+        "helical teeth at three heights along the axis. Dashed: relief grooves, and ports in the "
+        "covers.",
         "pressure",
         section.gear_section,
         ("chamber_pressure",),
@@ -100,6 +101,15 @@ FIGURES: tuple[FigureEntry, ...] = (
         "ripple",
         waveforms.bearing_force_spectra,
         ("journal_force", "journal_film_height"),
+        sampled="turn",
+    ),
+    FigureEntry(
+        "axial_force",
+        "Axial force of pressure and helical teeth on each gear over one turn, with its spectrum; "
+        "positive along z.",
+        "ripple",
+        waveforms.axial_force_spectra,
+        ("axial_force",),
         sampled="turn",
     ),
     FigureEntry(
@@ -300,7 +310,8 @@ def _possible(
         return entry.chapter != "losses" or solution.ledger.loss_energy > 0.0
     if description is None:
         return False
-    return entry.name != "gear_section" or description.chamber_outlines is not None
+    drawn = description if description.winding is None else description.winding.section
+    return entry.name != "gear_section" or drawn.chamber_outlines is not None
 
 
 def _sampled(kind: str, solution: Solution) -> bool:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.geometry.curve import enclosed
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import (
@@ -91,6 +91,8 @@ def gear_section(
 ) -> Figure:
     """Section of a machine with the pressures of its chambers as colour.
 
+    Teeth that wind are shown at the first of these angles, in both ends and in the middle.
+
     Parameters
     ----------
     description : MachineDescription
@@ -109,26 +111,38 @@ def gear_section(
 
     angle = np.asarray(solution.data["shaft_angle"])
     pitch = pitch_angle(description)
-    columns = min(len(fractions), 2)
-    rows = -(-len(fractions) // columns)
+    winding = description.winding
+    views = [(fraction, 0.0) for fraction in fractions]
+    if winding is not None:
+        views = [(fractions[0], height) for height in (-0.5, 0.0, 0.5)]
+    columns = min(len(views), 2 if winding is None else 3)
+    rows = -(-len(views) // columns)
     left, low, right, high = housing_region(description).bounds
     figure = new_figure(3.5 * columns + 0.9, (0.6 + 2.9 * (high - low) / (right - left)) * rows)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
     scale = Normalize(0.0, top_of_scale(solution) / _BAR)
     colours = mpl.colormaps[PRESSURE_COLOURS]
-    for axes, fraction in zip(panels, fractions, strict=False):
+    for axes, (fraction, height) in zip(panels, views, strict=False):
         sample = int(np.argmin(np.abs(angle - angle[0] - fraction * pitch)))
         data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
         ports = {p: colours(scale(float(data[f"{p}_pressure"]) / _BAR)) for p in _PORTS}
         spaces = colours(scale(np.asarray(data["chamber_pressure"]) / _BAR))
-        draw_section(axes, description, float(data["shaft_angle"]), ports, spaces)
-        axes.set_title(f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle")
-    for axes in panels[len(fractions) :]:
+        here, drawn = float(data["shaft_angle"]), description
+        title = f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle"
+        if winding is not None:
+            drawn, lead = winding.section, height * winding.twist * np.sign(winding.turn_per_length)
+            spaces = spaces[chambers_in_section(description, here, float(lead))]
+            here += float(lead)
+            width = winding.twist / abs(winding.turn_per_length)
+            title = f"z = {height * width * _MM:+.1f} mm"
+        draw_section(axes, drawn, here, ports, spaces)
+        axes.set_title(title)
+    for axes in panels[len(views) :]:
         axes.remove()
     peaks = float(solution.data["chamber_pressure"].max()) > top_of_scale(solution)
     bar = figure.colorbar(
         ScalarMappable(scale, PRESSURE_COLOURS),
-        ax=list(panels[: len(fractions)]),
+        ax=list(panels[: len(views)]),
         shrink=0.6,
         aspect=30,
         pad=0.02,
@@ -137,6 +151,36 @@ def gear_section(
     bar.set_label("Absolute pressure (bar)")
     bar.outline.set_visible(False)
     return figure
+
+
+def chambers_in_section(
+    description: MachineDescription, shaft_angle: float, lead: float
+) -> IntArray:
+    """Chambers that the spaces of a section hold, in the order of its own chambers.
+
+    A space that the mating tooth cuts in two holds the one whose section passes there.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with teeth that wind.
+    shaft_angle : float
+        Shaft angle of the middle. [rad]
+    lead : float
+        Shaft angle by which the section leads. [rad]
+    """
+    assert description.winding is not None
+    found, first = [], 0
+    for own, spaces in zip(description.families, description.winding.section.families, strict=True):
+        turned = own.angle_ratio * (shaft_angle + lead)
+        period, turn = own.volume.period, spaces.volume.period
+        begun = 0.0 if period == turn else 0.5 * turn  # fillings begin in the middle of the mesh
+        wanted = np.mod(spaces.phases + turned - begun, turn)
+        away = np.mod(own.phases + turned, period)[:, None] - wanted
+        away -= period * np.rint(away / period)
+        found.append(first + np.argmin(np.abs(away), axis=0))
+        first += own.count
+    return np.concatenate(found)
 
 
 def top_of_scale(solution: Solution) -> float:

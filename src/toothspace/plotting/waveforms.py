@@ -128,6 +128,19 @@ def bearing_force_spectra(
     return _waves_and_spectra(solution, description, "Bearing forces over one turn", signals)
 
 
+@styled
+def axial_force_spectra(
+    solution: Solution, description: MachineDescription | None = None
+) -> Figure:
+    """Axial force of helical teeth on every body over one turn, its spectrum."""
+    data = solution.data
+    signals, angle = [], np.asarray(data["shaft_angle"])
+    for body, color in zip(data["body"].values, (BLUE, ORANGE, GREEN), strict=False):
+        force = np.asarray(data["axial_force"].sel(body=body))
+        signals.append((angle, force, f"{readable(str(body))} (N)", color))
+    return _waves_and_spectra(solution, description, "Axial forces over one turn", signals)
+
+
 def _waves_and_spectra(
     solution: Solution,
     description: MachineDescription | None,

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toothspace.core.finding import Finding, beyond_too
+from toothspace.core.lazy import LazySequence
 from toothspace.core.status import Status
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.results.performance import by_label
@@ -79,7 +82,7 @@ _RISE = "lateral_temperature_rise"
 def with_warnings(
     solution: Solution, highest_pressure: float, temperatures: tuple[float, float] = _ANY
 ) -> Solution:
-    """Solution whose warnings say what is outside the range of the models.
+    """Solution whose warnings, once asked, say what is outside the range of the models.
 
     Parameters
     ----------
@@ -90,14 +93,22 @@ def with_warnings(
     temperatures : tuple of float
         Temperatures between which they are known. [K]
     """
+    told = LazySequence(partial(_all_warnings, solution, highest_pressure, temperatures))
+    return replace(solution, warnings=told)
+
+
+def _all_warnings(
+    solution: Solution, highest_pressure: float, temperatures: tuple[float, float]
+) -> Sequence[Finding]:
+    beyond = temperatures_beyond(solution, *temperatures) if solution.status in WHOLE else ()
     return solution.with_note(
         *_pressure(solution, highest_pressure),
-        *(temperatures_beyond(solution, *temperatures) if solution.status in WHOLE else ()),
+        *beyond,
         *_numbers(solution),
         *_bodies(solution),
         *_skipped(solution),
         *_tips(solution.data),
-    )
+    ).warnings
 
 
 def with_interval(solution: Solution, drawn: Solution) -> Solution:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -75,12 +75,13 @@ class Solution:
         compiled code [s], ...
     provenance : mapping of str to str
         ``package_version``, ``case_toml``, ``case_hash``, ``preset``, ``overrides`` (one
-        ``key=value`` per line), ``python_version``, ``numba_version``, ``warnings`` (one per
-        line, for readers of the file), ...
+        ``key=value`` per line), ``python_version``, ``numba_version``, ...; a file holds
+        ``warnings``, too, one per line.
     events : tuple of Event
         What happened, in the order of time.
-    warnings : tuple of Finding
-        What the run itself has to tell, without limits and design rules of the machine.
+    warnings : sequence of Finding
+        What the run itself has to tell, without limits and design rules of the machine; what
+        lies outside the range of the models is looked for when they are asked first.
     """
 
     status: Status
@@ -89,7 +90,7 @@ class Solution:
     statistics: Mapping[str, float] = field(default_factory=dict)
     provenance: Mapping[str, str] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
-    warnings: tuple[Finding, ...] = ()
+    warnings: Sequence[Finding] = ()
 
     def __repr__(self) -> str:
         axis = "time" if "time" in self.data.sizes else "shaft_angle"
@@ -104,7 +105,7 @@ class Solution:
     def __getstate__(self) -> dict[str, object]:
         """State for another process, which cannot read what this one keeps on disk."""
         kept = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        return {**kept, "data": self.data.compute()}
+        return {**kept, "data": self.data.compute(), "warnings": tuple(self.warnings)}
 
     def summary(self) -> Summary:
         """Return the summary numbers, with unit suffixes, status and wall time."""
@@ -119,6 +120,9 @@ class Solution:
             numbers = performance.summary_numbers(self.data, self.ledger)
             numbers |= performance.lateral_numbers(self.data, self.statistics)
             numbers |= contact_numbers(self.data)
+            if "pressure_along_spaces" in self.statistics:
+                along = self.statistics["pressure_along_spaces"]
+                numbers["pressure_along_spaces_bar"] = along / 1e5
         return Summary(**numbers, status=self.status.name.lower(), wall_time_s=wall)
 
     def tooth_contacts(self) -> ToothContacts:
@@ -140,16 +144,8 @@ class Solution:
     def with_note(self, *warnings: Finding | str, **statistics: float) -> Solution:
         """Solution with more statistics and more warnings; texts that are empty are none."""
         told = tuple(Finding("warning", x) if isinstance(x, str) else x for x in warnings if x)
-        found = tuple(dict.fromkeys((*self.warnings, *told)))
-        provenance = dict(self.provenance)
-        if found:
-            provenance["warnings"] = "\n".join(finding.sentence for finding in found)
-        return replace(
-            self,
-            provenance=provenance,
-            statistics={**self.statistics, **statistics},
-            warnings=found,
-        )
+        found = tuple(dict.fromkeys((*self.warnings, *told))) if told else self.warnings
+        return replace(self, statistics={**self.statistics, **statistics}, warnings=found)
 
     def short_of(self, told: Finding | str) -> Solution:
         """Solution that misses what was asked, and says what; an empty text misses nothing."""
@@ -264,8 +260,10 @@ class Solution:
 
         told = json.dumps([finding.to_dict() for finding in self.warnings])
         attributes = {"status": self.status.name, FINDINGS: told}
+        sentences = "\n".join(finding.sentence for finding in self.warnings)
+        provenance = {**self.provenance, **({"warnings": sentences} if sentences else {})}
         return write_result(
-            path, self.data, self.ledger, self.events, attributes, self.statistics, self.provenance
+            path, self.data, self.ledger, self.events, attributes, self.statistics, provenance
         )
 
 

@@ -195,7 +195,7 @@ STEADY = (
     "highest_film_temperature_degC", "lost_flow_L_per_min", "mesh_exchange_flow_L_per_min",
     "compression_flow_L_per_min", "gas_flow_L_per_min", "port_volume_flow_L_per_min",
     "bearing_position_um", "loaded_contacts_two_or_more", "loaded_contacts_three_or_more",
-    "contact_span", "axial_force_N", *LATERAL,
+    "contact_span", "axial_force_N", "pressure_along_spaces_bar", *LATERAL,
 )  # fmt: skip
 """Of a run at an operating point; films add some."""
 CURVES: Mapping[str, tuple[str, str, float]] = {

@@ -34,7 +34,7 @@ from toothspace.run.load_orifice import march_against_orifice, with_held_outlet
 from toothspace.run.running_in import Tracks, named_depths, run_in, running_in_depths
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
-from toothspace.solver.flow_regime import flow_regimes
+from toothspace.solver.flow_regime import along_spaces, flow_regimes, pressure_along_spaces
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
 
@@ -205,7 +205,13 @@ class Marches:
             found = solution_from(history, run.provenance, values, run.case.title)
             found = found.short_of(told)
             settled = seats.agree_with(found)
-        return run.marked(seats.noted(found.with_note(*flow_regimes(history))))
+        found = found.with_note(*flow_regimes(history))
+        if seats.machine.winding is not None:
+            speed, ports = run.condition.shaft_speed, run.condition
+            along = pressure_along_spaces(seats.machine, run.fluid, speed)
+            difference = ports.outlet_pressure - ports.inlet_pressure
+            found = found.with_note(*along_spaces(along, difference), pressure_along_spaces=along)
+        return run.marked(seats.noted(found))
 
     def _still_cut(self, history: History) -> dict[str, Any]:
         """What tips would cut into the casing in the last revolution."""

@@ -31,7 +31,7 @@ from toothspace.model.description import (
     LumpedLateralFilm,
     MachineDescription,
 )
-from toothspace.model.film_faces import FacePlaces, SharedFaces
+from toothspace.model.film_faces import FacePlaces, FilmFace, SharedFaces
 from toothspace.model.lumped_films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
@@ -80,21 +80,34 @@ def with_solved_films(
                 description, solved_covers(description, condition, fluid)
             )
         else:
-            if all(film.face is None for film in description.laterals):
+            winding = description.winding
+            section = description if winding is None else winding.section
+            known = {film.body: film.face for film in section.laterals if film.face is not None}
+            if not known:
                 found = "'reynolds' for a machine that gives the outline of none of its faces"
                 raise CaseError("run.interfaces.lateral", found, "'closed_form'")
             faces = {
-                f.body: _Face(description, f) for f in description.laterals if f.face is not None
+                film.body: _Face(section, film, known[film.body])
+                for film in description.laterals
+                if film.body in known
             }
+
+            def along(path: FlowPath) -> tuple[FlowPath, ...]:
+                return (path,) if winding is None else winding.along(path)
+
             replaced = {
-                path.name for face in faces.values() for path in (face.across, face.inwards)
+                path.name
+                for face in faces.values()
+                for own in (face.across, face.inwards)
+                for path in along(own)
             }
             kept = [path for path in description.paths if path.name not in replaced]
+            solved = [new for face in faces.values() for own in face.paths() for new in along(own)]
             description = replace(
                 description,
-                paths=(*kept, *(path for face in faces.values() for path in face.paths())),
+                paths=(*kept, *solved),
                 laterals=tuple(
-                    film if film.face is None else faces[film.body].film()
+                    faces[film.body].film() if film.body in faces else film
                     for film in description.laterals
                 ),
             )
@@ -115,22 +128,16 @@ def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
 
 
 class _Face:
-    """Both faces of one body with their solved conductances.
+    """Both faces of one body with their solved conductances, in the section of its middle."""
 
-    Where teeth wind about the axis, one face leads the middle of its chambers by half the twist of
-    the width and the other one lags: paths have the mean of both.
-    """
-
-    def __init__(self, description: MachineDescription, film: LumpedLateralFilm) -> None:
-        assert film.face is not None
-        self.lateral, self.face = film, film.face
-        self.across = _path(description, LATERAL, film.face.chambers.nodes)
-        self.inwards = _path(description, DRAIN, film.face.chambers.nodes)
+    def __init__(
+        self, section: MachineDescription, film: LumpedLateralFilm, face: FilmFace
+    ) -> None:
+        self.lateral, self.face = film, face
+        self.across = _path(section, LATERAL, face.chambers.nodes)
+        self.inwards = _path(section, DRAIN, face.chambers.nodes)
         self.height = float(self.inwards.geometry.values[0, 0])
-        winding = description.winding
-        twist = 0.0 if winding is None else winding.twist
-        self.lead = 0.5 * twist * film.face.chambers.angle_ratio
-        self.solved = face_conductance(film.face, _RESOLUTION)
+        self.solved = face_conductance(face, _RESOLUTION)
 
     def film(self) -> LumpedLateralFilm:
         """Film with the solved torque; a tilt shears as in the closed form."""
@@ -176,7 +183,7 @@ class _Face:
                 nodes_a=np.array([node]),
                 nodes_b=self.inwards.nodes_b[:1],
                 phases=np.zeros(1),
-                geometry=gap_table(self.height, self._both_ends(over_pitches)),
+                geometry=gap_table(self.height, over_pitches),
             )
             found += [from_spaces, to_shaft]
         return found
@@ -184,15 +191,7 @@ class _Face:
     def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
         """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
         values = -self.solved.matrix[:, first, second]
-        return self._both_ends(over_turn(values, path.phases, self.solved.turn))
-
-    def _both_ends(self, values: Array) -> Array:
-        """Mean of both faces from values of the middle section on uniform nodes of a turn. [-]."""
-        if self.lead == 0.0:
-            return values
-        nodes = np.arange(values.size) * _FULL_TURN / values.size
-        ends = monotone_table(_FULL_TURN, values)(nodes + self.lead * np.array([[-1.0], [1.0]]))
-        return np.asarray(ends[..., 0].mean(axis=0))
+        return over_turn(values, path.phases, self.solved.turn)
 
 
 def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:

@@ -8,11 +8,14 @@ from typing import final
 
 import numpy as np
 
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.line_friction import CRITICAL_REYNOLDS
+from toothspace.closures.space_flow import pressure_along_space
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.finding import Finding, beyond_too
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
+from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.model.paths import by_kind
 from toothspace.solver.compiled_model import Observation, observe
@@ -244,3 +247,77 @@ def _lines(system: System, states: Array) -> Iterator[tuple[str, float]]:
             flow = float(np.abs(states[:, first]).max(initial=0.0))
             yield name.partition(":")[0], CRITICAL_REYNOLDS * flow / element.law.critical_flow
         first += element.states
+
+
+_ALONG_PLACES, _ALONG_ANGLES = 65, 180
+_LARGEST_ALONG = 0.05
+"""Pressure along a tooth space over that between the ports up to which it has one. [-]"""
+_SHUT = 0.1
+"""Section of a space that counts as shut over the largest: little oil is left to leave. [-]"""
+
+
+def pressure_along_spaces(
+    description: MachineDescription, fluid: FluidLaw, shaft_speed: float
+) -> float:
+    """Largest pressure that oil needs to leave a tooth space of a helix at one end. [Pa].
+
+    See :func:`~toothspace.closures.space_flow.pressure_along_space`. Until the end that leads is
+    in the middle of the mesh. Zero with straight teeth and at rest.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine whose table angles are half a turn in the middle of the mesh.
+    fluid : FluidLaw
+        Oil in the spaces.
+    shaft_speed : float
+        Shaft speed. [rad/s]
+    """
+    winding, largest = description.winding, 0.0
+    if winding is None or shaft_speed == 0.0:
+        return 0.0
+    width = winding.twist / abs(winding.turn_per_length)
+    for family in winding.section.families:
+        shut = np.linspace(0.5 * np.pi, np.pi, _ALONG_ANGLES)
+        lead = winding.twist * family.angle_ratio * np.linspace(0.0, 1.0, _ALONG_PLACES)
+        places = shut[:, None] - lead
+        area = family.volume(places)[..., 0] / width
+        least = _SHUT * float(area.max())
+        rate = np.where(area > least, family.volume.derivative(places)[..., 0] / width, 0.0)
+        found = pressure_along_space(
+            np.maximum(area, least),
+            np.minimum(rate, 0.0),
+            # of a square space that closes to a slit between its flanks
+            np.maximum(area, least) / np.sqrt(area.max()),
+            abs(winding.turn_per_length) * family.angle_ratio,
+            width,
+            shaft_speed * family.angle_ratio,
+            fluid.reference_density,
+            fluid.dynamic_viscosity,
+        )
+        largest = max(largest, float(found.sum(axis=0).max()))
+    return largest
+
+
+def along_spaces(pressure: float, difference: float) -> Iterator[Finding]:
+    """Say where one pressure for a tooth space along the helix is not enough.
+
+    Parameters
+    ----------
+    pressure, difference : float
+        Pressure along a space, and that between the ports. [Pa]
+    """
+    limit = _LARGEST_ALONG * abs(difference)
+    if pressure <= limit:
+        return
+    found, allowed = (f"{1e-5 * value:.3g} bar" for value in (pressure, limit))
+    yield Finding(
+        "warning",
+        f"Oil needs up to {found} along a tooth space to leave it at one end; one pressure for a "
+        f"space holds up to {allowed}, a twentieth of that between the ports.",
+        quantity="pressure along a tooth space",
+        found=found,
+        allowed=f"up to {allowed}",
+        advice="Lower operating_point.shaft_speed, or take narrower gears; peaks at the shut end "
+        "are higher than the run says.",
+    )

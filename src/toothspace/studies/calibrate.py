@@ -38,7 +38,7 @@ from toothspace.plotting.style import (
 )
 from toothspace.results.variables import label_of
 from toothspace.studies.least_squares import Fit, fit
-from toothspace.studies.measured import Measured, Signals, read_measured
+from toothspace.studies.measured import Measured, Signals, at_ports, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
 from toothspace.studies.study import Record, Study, StudyContext, StudyResult, StudyTable
 from toothspace.studies.variation import Axis, axes_of, check_span, values_at, written_values
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 class CalibrateStudy(KeyTable):
     """``kind = "calibrate"``: fit keys of the case to measured columns."""
 
-    data: Path = file_path("Columns time and names of results.", ".csv", default=MISSING)
+    data: Path = file_path("Columns time and names of results.", ".csv", ".xlsx", default=MISSING)
     fit: Mapping[str, tuple[Any, Any]] = declare(
         Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
     )
@@ -185,7 +185,8 @@ class _Model:
             nothing = [np.nan] * self.measured.rows
             found = {name: [r.numbers.get(name, nothing) for r in records] for name in names}
             return {name: np.array(signal, dtype=float)[:, rows] for name, signal in found.items()}
-        settings = [s for s, wanted in zip(self.measured.settings, rows, strict=True) if wanted]
+        measured = zip(self.measured.settings, rows, strict=True)
+        settings = [at_ports(self.case, row) for row, wanted in measured if wanted]
         records = self._evaluate([{**s, **v} for v in values for s in settings], summary_numbers)
         return {
             name: np.array(

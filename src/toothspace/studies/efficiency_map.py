@@ -29,7 +29,7 @@ from toothspace.plotting.style import (
 from toothspace.results.variables import unit_of
 from toothspace.run.heating import liquid_of
 from toothspace.studies.loss_models import fit_losses, loss_data, loss_numbers, loss_table
-from toothspace.studies.measured import read_measured
+from toothspace.studies.measured import at_ports, read_measured
 from toothspace.studies.points import (
     Evaluate,
     collected,
@@ -77,8 +77,10 @@ class EfficiencyMapStudy(KeyTable):
     )
     measured: Path | None = file_path(
         "Rows of operating_point.shaft_speed, one port pressure of operating_point and "
-        "mean_torque_N_m or mean_flow_L_per_min, to lay over the results.",
+        "mean_torque_N_m or mean_flow_L_per_min, or a test sheet with the symbols of ISO 4409, to "
+        "lay over the results.",
         ".csv",
+        ".xlsx",
         default=None,
     )
 
@@ -196,7 +198,7 @@ def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
     for row in found.settings:
         operating, own_speed = operating_point_of(case), None
         known = {name: getattr(operating, name) for name in ("inlet_pressure", "outlet_pressure")}
-        for key, value in row.items():
+        for key, value in at_ports(case, row).items():
             name = key.removeprefix("operating_point.")
             if name == "shaft_speed":
                 own_speed = parse_quantity(str(value), "rpm")

@@ -352,7 +352,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         deeper = _cut(study, records, shares, span)
         if k and max((d.max() for d in deeper.values()), default=0.0) > _NEW_TRACK:
             # tips cut much faster than bushes wear: the track of these hours is that of now
-            wear = replace(wear, tracks=_sum(wear.tracks, deeper))
+            tracks = {body: wear.tracks.get(body, 0.0) + depth for body, depth in deeper.items()}
+            wear = replace(wear, tracks=tracks)
             records = _records(case, conditions, keys, wear, here)
         found.append(WornState(time / _HOUR, wear, records))
         if status_of(records) is not Status.DONE or k == len(times) - 1:
@@ -474,10 +475,6 @@ def _cut(
             cut = -math.expm1(-share * span / fades) * np.asarray(one["overlap"])
             found[body] = np.maximum(found.get(body, 0.0), cut)
     return found
-
-
-def _sum(first: Mapping[str, Array], second: Mapping[str, Array]) -> dict[str, Array]:
-    return {body: first.get(body, 0.0) + depth for body, depth in second.items()}
 
 
 def _result(

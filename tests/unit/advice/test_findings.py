@@ -130,10 +130,11 @@ def test_line_of_the_status(status: Status, count: int, line: str) -> None:
     assert status_line(status, [Finding("warning", "Seen.")] * count) == line
 
 
-def test_the_same_sentence_stands_once() -> None:
+def test_the_same_sentence_stands_once(tmp_path: Path) -> None:
     solution = fake_solution().with_note("Seen.", "").with_note("Seen.").with_note("Other.")
     assert [warning.text for warning in solution.warnings] == ["Seen.", "Other."]
-    assert solution.provenance["warnings"] == "Seen.\nOther."
+    kept = ts.load_solution(solution.save(tmp_path / "told.nc"))
+    assert kept.provenance["warnings"] == "Seen.\nOther."
 
 
 def test_cavitation_is_told_by_its_power_or_else_by_its_events() -> None:

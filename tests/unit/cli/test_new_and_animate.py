@@ -26,6 +26,7 @@ def test_a_new_pump_is_written_and_refused_in_words(
     assert main(["init", "egm12_pump", str(tmp_path), "--speed", "1500 rpm"]) == 2
 
 
+@pytest.mark.slow
 def test_a_machine_that_turns_is_a_gif(tmp_path: Path) -> None:
     result, film = tmp_path / "run.nc", tmp_path / "film.gif"
     quick = ["--set", "run.samples_per_revolution=90", "--fidelity", "ideal"]

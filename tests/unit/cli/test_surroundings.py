@@ -79,6 +79,7 @@ def test_a_profile_that_links_to_itself_is_refused(
     assert "machine.gears.profile: found" in told
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a full disk of this system")
 def test_a_page_is_written_although_nobody_reads_the_text(tmp_path: Path) -> None:
     solution = fake_solution()

@@ -188,6 +188,7 @@ def test_a_damaged_entry_is_compiled_again(tmp_path: Path) -> None:
     assert run_python(USE, tmp_path) == "5.0 1"
 
 
+@pytest.mark.slow
 def test_two_processes_share_one_cache(tmp_path: Path) -> None:
     environment = compiling(tmp_path)
     both = [

@@ -91,6 +91,7 @@ def _sweep(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> Any:
     return balance_sweep.run(replace(case, study=study), StudyContext())
 
 
+@pytest.mark.slow
 def test_balance_sweep_gives_gaps_claims_and_figures(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

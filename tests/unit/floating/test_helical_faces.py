@@ -8,17 +8,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import toothspace as ts
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace import api
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.floating.elastic_faces import loaded_bodies
 from toothspace.floating.equilibrium import SearchSettings, find_equilibrium
 from toothspace.floating.face_grid import FaceGrid
 from toothspace.floating.motion import Balance, StepSettings, state_at
 from toothspace.floating.problem import LateralSettings, lateral_problem, numbers_of
-from toothspace.floating.stack import Stack
+from toothspace.floating.stack import BackPressure, Stack
 from toothspace.model.lateral_load import chamber_pressures
 from toothspace.run.run import Run
 
@@ -126,6 +128,8 @@ def test_bushings_that_rest_are_not_pressed() -> None:
     assert balance is not None
     assert balance.arrangement == "fixed"
     assert balance.floating.high_pressure.area == 0.0
+    with pytest.raises(CaseError, match="deformation"):
+        loaded_bodies(balance, (), BackPressure(HIGH, HIGH, HIGH), xr.Dataset())
 
 
 @pytest.mark.slow

@@ -29,6 +29,7 @@ def _written(folder: Path, **options: Any) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_ports_and_shaft_are_terminals(tmp_path: Path) -> None:
     with zipfile.ZipFile(_written(tmp_path, fmi="3")) as archive:
         names = set(archive.namelist())

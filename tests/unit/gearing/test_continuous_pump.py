@@ -11,11 +11,13 @@ import pytest
 import toothspace as ts
 from toothspace import api
 from toothspace.core.errors import CaseError, GeometryError
+from toothspace.core.types import Array
 from toothspace.gearing.meshing import displacement, flow_over_pitch
 from toothspace.geometry.continuous_contact import FAMILIES
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.numerics.periodic_table import smooth_table
+from toothspace.run.solved_films import with_solved_films
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "continuous_pump.toml"
 GEARS = "machine.gears."
@@ -62,6 +64,7 @@ def test_harmonics_of_the_section_fall_by_sine_over_argument(overlap: float) -> 
     assert np.abs(before[[1, 3, 5]]).max() < 1e-4 * np.abs(before[2])
 
 
+@pytest.mark.slow
 def test_fillings_hold_what_the_spaces_hold() -> None:
     found = machine()
     angles = np.linspace(0.0, 2.0 * np.pi, 60)
@@ -119,6 +122,43 @@ def test_elastic_teeth_touch_on_both_flanks() -> None:
 def test_ideal_flow_does_not_pulsate_at_an_overlap_of_one() -> None:
     found = ts.simulate(CASE, run__fidelity="ideal").summary()
     assert found["flow_ripple_percent"] < 0.1
+
+
+@pytest.mark.slow
+def test_films_beside_the_gears_leak_as_those_of_the_section() -> None:
+    """Fillings of a face have the conductance of its spaces: mean of both ends."""
+    found = machine()
+    assert found.winding is not None
+    section, half = found.winding.section, 0.5 * found.winding.twist
+    models = {"journal": "closed_form", "lateral": "reynolds"}
+    along, across = (with_solved_films(m, models=models) for m in (found, section))
+    angles, known = np.linspace(0.0, 2.0 * np.pi, 40), {path.name for path in section.paths}
+
+    def conductance(path: FlowPath, lead: float) -> Array:
+        table = path.geometry(path.phases + path.angle_ratio * (angles[:, None] + lead))
+        return np.asarray((table[..., 1] / table[..., 2]).sum(axis=1))
+
+    checked = 0
+    for own in across.paths:
+        if not own.name.startswith(("lateral", "drain")):
+            continue
+        parts = [p for p in along.paths if p.name in (own.name, f"{own.name}_cut")]
+        wanted = 0.5 * (conductance(own, half) + conductance(own, -half))
+        total = np.sum([conductance(part, 0.0) for part in parts], axis=0)
+        np.testing.assert_allclose(total, wanted, rtol=0.03)
+        checked += own.name not in known
+    assert checked == 8
+
+
+@pytest.mark.slow
+def test_films_keep_the_balances() -> None:
+    closed, solved = (ts.simulate(CASE, run__fidelity=f).summary() for f in ("lumped", "films"))
+    assert solved["status"] == "done"
+    assert solved["mass_balance_error"] < 1e-7
+    assert solved["energy_balance_error"] < 1e-5
+    efficiency = closed["volumetric_efficiency"]
+    assert solved["volumetric_efficiency"] == pytest.approx(efficiency, abs=5e-3)
+    assert solved["flow_ripple_percent"] < 3.0
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 import toothspace as ts
 from toothspace import api
 from toothspace.core.errors import CaseError
+from toothspace.gearing.helix import Helix
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.spaces import section_areas
 from toothspace.geometry.involute import generate_profile
@@ -154,6 +156,7 @@ def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
     assert numbers["energy_balance_error"] < 1e-5
 
 
+@pytest.mark.slow
 def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
@@ -161,8 +164,21 @@ def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
         ts.load_case(HELICAL, ("machine.gears.profile_teeth=own",))
     with pytest.raises(CaseError, match="tooth_deviations"):
         ts.load_case(HELICAL, ("machine.gears.tooth_deviations=gear.csv",))
-    with pytest.raises(CaseError, match="lateral"):
-        ts.simulate(HELICAL.with_name("continuous_pump.toml"), run__fidelity="films")
+
+
+def test_both_ends_of_a_gap_leak_as_one() -> None:
+    """Flow of a parallel gap goes with width over length: ends 2 and 6 mm long are one of 3 mm."""
+    turn, nodes = 2.0 * np.pi, 720
+    length = 4e-3 - 2e-3 * np.cos(turn * np.arange(nodes) / nodes)
+    rows = np.column_stack([np.full(nodes, 5e-6), np.full(nodes, 1e-2), length])
+    path = next(p for p in straight().paths if p.name == "lateral_drive")
+    helix = Helix(math.radians(45.0), 12, 1.0, 0.3, math.pi)  # both ends half a turn apart
+    found = helix.path(replace(path, geometry=smooth_table(turn, rows), drag_speed=None)).geometry
+    for angle in (0.5 * math.pi, 0.0, 0.25 * math.pi):
+        ends = [4e-3 - 2e-3 * math.cos(angle + lead) for lead in (-0.5 * math.pi, 0.5 * math.pi)]
+        wanted = 2.0 / (1.0 / ends[0] + 1.0 / ends[1])
+        assert found(np.array([angle]))[0] == pytest.approx([5e-6, 1e-2, wanted], rel=1e-5)
+    assert found(np.array([0.5 * math.pi]))[0, 2] == pytest.approx(3e-3, rel=1e-5)
 
 
 @pytest.mark.slow

@@ -223,6 +223,7 @@ def test_bodies_and_plane_of_stl(tmp_path):
         cut(path, body=2)
 
 
+@pytest.mark.slow
 def test_plane_of_step(tmp_path):
     export_gear(generate_profile(UNDERCUT, 60), tmp_path / "gear.step", 7.5e-3)
     text = (tmp_path / "gear.step").read_text()

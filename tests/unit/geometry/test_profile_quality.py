@@ -88,6 +88,7 @@ def test_teeth_are_named_as_on_a_drawing(tmp_path: Path) -> None:
     assert found["undercut"] is False
 
 
+@pytest.mark.slow
 def test_coarse_mesh_is_named_with_its_chords_and_what_to_export(tmp_path: Path) -> None:
     found = summary_of(tmp_path, meshed(outline(2000), 1e-4))
     (warning,) = [line for line in found["warnings"] if line.startswith("chord height")]

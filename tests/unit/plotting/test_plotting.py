@@ -10,10 +10,16 @@ import xarray as xr
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api
 from toothspace.core.status import Event
+from toothspace.model.description import Winding
 from toothspace.model.path_category import OUTLET_PORT
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
 from toothspace.plotting.geometry import one_chamber, opening_area, opening_windows
-from toothspace.plotting.section import fluid_cells, turned_section
+from toothspace.plotting.section import (
+    chambers_in_section,
+    fluid_cells,
+    gear_section,
+    turned_section,
+)
 from toothspace.plotting.style import figure_to_svg, save_figure
 from toothspace.results.solution import Solution
 
@@ -161,3 +167,30 @@ def test_opening_windows_enclose_the_open_area() -> None:
     assert np.all(opening_area(description, family, OUTLET_PORT, outside) < 1e-8)
     middle = np.array([0.5 * (start + end)])
     assert opening_area(description, family, OUTLET_PORT, middle)[0] > 1e-5
+
+
+def test_section_of_a_cut_space_holds_the_chamber_that_passes_there() -> None:
+    """Its chamber has the volume of the space in a section of that place, at every height."""
+    found = api.describe(api.load_case(CASES / "continuous_pump.toml"))
+    winding, angle = found.winding, 0.2
+    for lead in (-0.5 * winding.twist, 0.0, 0.5 * winding.twist):
+        spaces, first, before = chambers_in_section(found, angle, lead), 0, 0
+        assert np.unique(spaces).size == spaces.size
+        for own, section in zip(found.families, winding.section.families, strict=True):
+            turned = angle + lead
+            cut = winding.along.cut.family(section)
+            chosen = spaces[first : first + section.count] - before
+            np.testing.assert_allclose(
+                cut.volume(cut.phases[chosen] + turned),
+                section.volume(section.phases + turned),
+                rtol=1e-6,
+            )
+            first, before = first + section.count, before + own.count
+
+
+def test_sections_of_a_helix_are_drawn_at_three_heights() -> None:
+    solution = fake_solution()
+    section = fake_description()
+    helical = replace(section, winding=Winding(5.0, 0.1, section, lambda path: (path,)))
+    titles = [axes.get_title(loc="left") for axes in gear_section(solution, helical).axes]
+    assert titles[:3] == ["z = -10.0 mm", "z = +0.0 mm", "z = +10.0 mm"]

@@ -95,6 +95,7 @@ def test_a_share_is_told_only_where_it_says_something(
     assert shown_change(name, first, second) == change
 
 
+@pytest.mark.slow
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result(load_case(MOTOR)).save(tmp_path / "a.nc")
     faster = changed(operating_point__shaft_speed="2000 rpm", machine__gears__face_width="9 mm")

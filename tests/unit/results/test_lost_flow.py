@@ -102,12 +102,14 @@ def test_parts_sum_in_every_kind_of_run(overrides: list[str]) -> None:
     assert_parts_sum(solution)
 
 
+@pytest.mark.slow
 def test_walls_of_a_pump_drag_forward_and_those_of_a_motor_back() -> None:
     pump, motor = (parts_of(run(name, "run.revolutions=2").data) for name in MACHINES[:2])
     assert pump["drag_leakage_tooth_tip"] < 0.0 < pump["pressure_leakage_tooth_tip"]
     assert motor["drag_leakage_tooth_tip"] > 0.0
 
 
+@pytest.mark.slow
 def test_tips_that_would_cut_an_unworn_casing_are_named() -> None:
     narrow = ['machine.casing.radial_clearance="10 um"', "run.revolutions=1"]
     unworn = api.load_case(CASES / "egm12_pump.toml", narrow).to_dict()

@@ -7,6 +7,7 @@ import pytest
 import toothspace as ts
 
 
+@pytest.mark.slow
 def test_a_march_against_an_orifice_begins_where_the_last_one_ended() -> None:
     case = ts.load_case("egm12_pump").replace({"machine.casing.wear_in": None, "heat": None})
     run = ts.prepare(case)

@@ -118,3 +118,35 @@ def test_what_cannot_be_searched_is_told(
     with pytest.raises(CaseError, match=r"needs the package pymoo.*toothspace\[design\]"):
         run_study(case_with_study(pareto(method="nsga2")))
     assert not calls
+
+
+@pytest.mark.slow
+def test_two_workers_find_the_front_of_one(tmp_path: Path) -> None:
+    """Generations go to processes, and come back in their order: the same designs and numbers."""
+    pytest.importorskip("pymoo")
+    text = """
+kind = "pareto"
+objectives = {pressure_ripple_bar = "minimise", overall_efficiency = "maximise"}
+method = "nsga2"
+evaluation_count = 9
+population_size = 4
+drawn_designs = 1
+[study.vary]
+"machine.relief_grooves.closing_side_offset" = {from = "3.0 mm", to = "4.0 mm"}
+"machine.casing.inlet_angle" = {from = "60 deg", to = "80 deg"}
+"""
+    case = case_with_study(text, "egm12_pump").replace(
+        {
+            "heat.model": "adiabatic",
+            "run.samples_per_revolution": 90,
+            "run.relative_tolerance": 1e-5,
+        }
+    )
+    one = run_study(case, tmp_path / "one", workers=1)
+    two = run_study(case, tmp_path / "two", workers=2)
+    assert one.status is two.status is Status.DONE
+    assert one.data.identical(two.data)
+    assert one.data.sizes["point"] == 9
+    assert one.numbers["front_count"] == two.numbers["front_count"] >= 1
+    again = run_study(case, tmp_path / "two", workers=2, resume=True)
+    assert again.data.identical(one.data)

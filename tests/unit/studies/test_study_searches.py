@@ -45,6 +45,20 @@ def test_indices_of_the_ishigami_function() -> None:
     np.testing.assert_allclose(total, [0.5576, 0.4424, 0.2437], atol=0.01)
 
 
+def test_sobol_indices_are_those_of_scipy() -> None:
+    """The same estimators on the same rows; only a row without a result is left out here."""
+    from scipy import stats
+
+    x, y, z = np.pi * (2.0 * index_samples(unit_samples(6, "sobol", 64, 3)).T - 1.0)
+    output = 50.0 + np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)
+    first, second, *mixed = output.reshape(5, 64)
+    given = {"f_A": first[None], "f_B": second[None], "f_AB": np.array(mixed)[:, None]}
+    expected = stats.sobol_indices(func=given, n=64)
+    alone, total = sobol_indices(output, 3)
+    np.testing.assert_allclose(alone, expected.first_order.ravel(), rtol=1e-9)
+    np.testing.assert_allclose(total, expected.total_order.ravel(), rtol=1e-9)
+
+
 def test_rank_correlations_see_direction_and_ignore_failed_points() -> None:
     inputs = unit_samples(3, "latin_hypercube", 50, 0)
     output = np.exp(5.0 * inputs[:, 0])

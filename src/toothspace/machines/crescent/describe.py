@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.mesh_cut import AlongTeeth
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import SpaceOutlines
@@ -16,7 +16,7 @@ from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.parameters import CrescentParameters
 from toothspace.machines.crescent.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription, Winding
+from toothspace.model.description import MachineDescription
 
 FAMILIES = ("pinion_space", "ring_space")
 
@@ -43,7 +43,8 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
     )
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
-    helix, section = assembly.helix, (families, paths, contacts)
+    helix = assembly.helix
+    section = {"families": families, "paths": paths, "contacts": contacts}
     if helix is not None:
         families = tuple(helix.family(family) for family in families)
         paths = tuple(helix.path(path) for path in paths)
@@ -71,11 +72,7 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
     )
-    if helix is None:
-        return machine
-    families, paths, contacts = section
-    spur = replace(machine, families=families, paths=paths, contacts=contacts)
-    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur))
+    return machine if helix is None else helix.wound(machine, AlongTeeth(helix), **section)
 
 
 MACHINE = MachineType("crescent", describe)

@@ -7,7 +7,7 @@ from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
-from toothspace.gearing.mesh_cut import CutSpaces
+from toothspace.gearing.mesh_cut import AlongTeeth, CutSpaces
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
 from toothspace.gearing.openings import SpaceOutlines
@@ -24,7 +24,7 @@ from toothspace.machines.external_gear.summary import (
     geometry_summary,
 )
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription, Winding
+from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import INLET_PORT
 
 
@@ -49,15 +49,16 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     families = drive.chambers(gear_bodies.BODIES[0]), driven.chambers(gear_bodies.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
-    helix, section, cut = spec.helix, (families, paths, contacts), None
+    helix, cut = spec.helix, None
+    section = {"families": families, "paths": paths, "contacts": contacts}
     if helix is not None:
         if assembly.flanks_in_turn:
             # the mating tooth fills a space: what lies ahead of it and behind are two chambers
             cut = CutSpaces(numbering.nodes[0].size, helix.twist)
             families = cut.family(families[0]), cut.family(families[1])
-            paths = tuple(part for path in paths for part in cut.paths(path))
+        along = AlongTeeth(helix, cut)
         families = helix.family(families[0]), helix.family(families[1])
-        paths = tuple(helix.path(path) for path in paths)
+        paths = tuple(part for path in paths for part in along(path))
         contacts = helix.contact(contacts[0]), helix.contact(contacts[1])
     if cut is not None:
         paths = tuple(
@@ -78,8 +79,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         loaded, coast = contacts
         left = assembly.loaded_is_left
         contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
-    # films beside spaces of two chambers are not mapped: closed forms serve there
-    laterals = lateral_films(assembly, numbering)
+    # a face sees one chamber of a space that is cut, another one later: only the section has a map
+    laterals = faces = lateral_films(assembly, numbering)
     if cut is not None:
         laterals = tuple(replace(film, face=None) for film in laterals)
     balance = None
@@ -116,15 +117,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     )
     if helix is None:
         return machine
-    families, paths, contacts = section
-    spur = replace(
-        machine,
-        families=families,
-        paths=paths,
-        contacts=contacts,
-        chamber_outlines=SpaceOutlines(assembly, numbering),
-    )
-    return replace(machine, winding=Winding(helix.turn_per_length, helix.twist, spur))
+    outlines = SpaceOutlines(assembly, numbering)
+    return helix.wound(machine, along, **section, laterals=faces, chamber_outlines=outlines)
 
 
 MACHINE = MachineType("external_gear", describe)

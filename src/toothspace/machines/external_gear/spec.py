@@ -554,6 +554,11 @@ class ExternalGearTables(MachineTables):
     def missing_floating_part(self) -> str:
         """Message about what the balance of the floating bearing would need; empty if given."""
         bearing = self.floating_bearing
+        if bearing is not None and self.gears.is_continuous:
+            return (
+                f"machine.gears.family: found {self.gears.family!r}, allowed 'involute' with films "
+                "in balance"
+            )
         fixed = self.lateral.arrangement == "fixed"
         if bearing is not None and (fixed or bearing.high_pressure_area is not None):
             return ""

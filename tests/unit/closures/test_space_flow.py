@@ -1,0 +1,74 @@
+"""Flow along a tooth space that winds: continuity, closed forms, limits, the warning."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toothspace as ts
+from toothspace import api
+from toothspace.closures.space_flow import pressure_along_space
+from toothspace.core.types import Array
+from toothspace.run.run import Run
+from toothspace.solver.flow_regime import along_spaces, pressure_along_spaces
+
+LENGTH, SPEED, DENSITY, TURN = 24e-3, 157.0, 860.0, 5.3
+PLACES = np.linspace(0.0, 1.0, 4001)
+HELICAL = Path(__file__).resolve().parents[3] / "cases" / "helical_pump.toml"
+
+
+def parts(area: Array, rate: Array, viscosity: float = 0.03, speed: float = SPEED) -> Array:
+    diameter = np.full_like(area, 2e-3)
+    return pressure_along_space(area, rate, diameter, TURN, LENGTH, speed, DENSITY, viscosity)
+
+
+def test_a_space_that_empties_evenly() -> None:
+    """A(z) = A0 (1 + z/b): v = w (1 - A0/A) and all integrals by hand."""
+    shut = 10e-6
+    area = shut * (1.0 + PLACES)
+    rate = np.full_like(area, -shut / (TURN * LENGTH))  # dA/dz = -kappa A'
+    passing = SPEED / TURN
+    inertia, bernoulli, friction = parts(area, rate)
+    assert bernoulli == pytest.approx(0.5 * DENSITY * (0.5 * passing) ** 2, rel=1e-12)
+    mean = 1.0 - np.log(2.0)
+    assert friction == pytest.approx(32 * 0.03 * passing * mean * LENGTH / 4e-6, rel=1e-6)
+    # d(1 - A0/A)/dphi = -A' (A0 - A)/A^2 ... with A' = -A0/(kappa b) everywhere
+    gain = passing / (TURN * LENGTH) * (np.log(2.0) - 0.5) * LENGTH
+    assert inertia == pytest.approx(DENSITY * SPEED * gain, rel=1e-6)
+
+
+def test_an_even_space_without_displacement_is_at_rest() -> None:
+    area = np.full_like(PLACES, 8e-6)
+    np.testing.assert_array_equal(parts(area, np.zeros_like(area)), 0.0)
+
+
+def test_inertia_grows_with_the_square_of_the_speed() -> None:
+    area = 10e-6 * (1.0 + PLACES**2)
+    rate = -np.gradient(area, PLACES * LENGTH) / TURN
+    slow, fast = (parts(area, rate, speed=k * SPEED) for k in (1.0, 2.0))
+    np.testing.assert_allclose(fast / slow, [4.0, 4.0, 2.0], rtol=1e-12)
+
+
+@cache
+def prepared(hand: str = "right") -> Run:
+    return api.prepare(ts.load_case(HELICAL, (f"machine.gears.helix_hand={hand}",)))
+
+
+def test_a_machine_needs_more_the_faster_it_turns_and_the_same_for_both_hands() -> None:
+    run = prepared()
+    slow, fast = (pressure_along_spaces(run.machine, run.fluid, k * SPEED) for k in (1.0, 2.0))
+    assert 2.0 < fast / slow <= 4.0
+    assert 1e5 < slow < 5e5
+    left = prepared("left")
+    assert pressure_along_spaces(left.machine, left.fluid, SPEED) == pytest.approx(slow, rel=1e-9)
+    assert pressure_along_spaces(run.machine, run.fluid, 0.0) == 0.0
+
+
+def test_what_one_pressure_cannot_hold_is_said_with_its_number() -> None:
+    assert not list(along_spaces(5e5, 120e5))
+    (finding,) = along_spaces(9e5, 120e5)
+    assert "9 bar" in finding.text
+    assert "6 bar" in finding.text
