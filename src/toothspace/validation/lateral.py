@@ -35,10 +35,8 @@ SOURCE = ValidationSource(
     "stiffness of the bearing are free, chosen so that the faces rub little.",
 )
 
-LARGEST_FILM = 6.0
-"""Mean film of a bearing that runs on its film: twice the length of the order of 3 um by which the
-source normalises. [um]
-"""
+LARGEST_FILM = 4.0
+"""Mean film of a bearing that runs on its film; films of the source are of the order of 3. [um]"""
 
 MOVED = 0.05
 """Change that counts as one: what the eddy-current sensor of section 3 resolves. [um]"""
@@ -233,7 +231,7 @@ CLAIMS = (
         "Section 4.2: 'the film thickness increases with increasing pressure', and Fig. 22 shows a "
         "loop of the position.",
         "A change counts from the 0.05 um of the sensor on; grids agree so but at the top. "
-        "Films at most 6 um, twice the length that the source normalises with.",
+        "Films at most 4 um, as those of the source are normalised by one of the order of 3.",
         _first_set,
         10.0,
     ),
@@ -250,9 +248,14 @@ CLAIMS = (
         "fuel_pump_loop_078",
         SOURCE,
         "Section 4.3: 'the model captures the trend of the bearing movement' (Fig. 23).",
-        "A change counts from the 0.05 um of the sensor on; films at most 6 um.",
+        "A change counts from the 0.05 um of the sensor on; films at most 4 um.",
         _second_set,
         8.0,
+        reason=(
+            "The bearing rises at every step and comes back in a loop, but at 155.2 bar its mean "
+            "film is 5.9 um, beyond the own limit: bearing and gears are compressed there, and "
+            "1.5 % of the flow passes. The source deviates most at this pressure, too."
+        ),
     ),
     Claim(
         "fuel_pump_nose",
