@@ -182,17 +182,16 @@ def export(
 
 def _table(data: xr.Dataset, solution: Solution | None) -> pd.DataFrame:
     """Samples of a run or points of a study as rows, with ``name [unit]`` on top."""
+    from toothspace.results.exchange import headed
     from toothspace.studies.study import StudyResult
 
     if solution is None:
         frame = StudyResult(Status.DONE, data, {}).to_dataframe()
     else:
         frame = solution.to_dataframe()
-    units = frame.attrs["units"] | {
-        str(name): str(data[name].attrs.get("units", "1")) for name in frame.index.names
-    }
-    rows = frame.reset_index()
-    return rows.set_axis([f"{name} [{units.get(str(name), '1')}]" for name in rows.columns], axis=1)
+    return headed(
+        frame, {str(name): str(data[name].attrs.get("units", "1")) for name in frame.index.names}
+    )
 
 
 def _sheets(data: xr.Dataset, solution: Solution | None) -> dict[str, pd.DataFrame]:

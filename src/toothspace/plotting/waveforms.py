@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 
 _BAR = 1e5
 _LITRE_PER_MINUTE = 6e4
-_LITRE_PER_MINUTE = 6e4
-_BAR = 1e5
 _PER_MINUTE = 30.0 / np.pi
 _ZOOM = (-0.15, 0.6)
 _SLOWEST = 1e-3
@@ -120,12 +118,9 @@ def bearing_force_spectra(
     solution: Solution, description: MachineDescription | None = None
 ) -> Figure:
     """Force of the journal bearings on every body that they carry over one turn, its spectrum."""
-    data = solution.data
-    signals, angle = [], np.asarray(data["shaft_angle"])
-    for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False):
-        force = np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1)
-        signals.append((angle, force / 1e3, f"{readable(str(body))} (kN)", color))
-    return _waves_and_spectra(solution, description, "Bearing forces over one turn", signals)
+    force = np.linalg.norm(np.asarray(solution.data["journal_force"]), axis=2) / 1e3
+    title = "Bearing forces over one turn"
+    return _forces_and_spectra(solution, description, title, "journal", force, "kN")
 
 
 @styled
@@ -133,12 +128,26 @@ def axial_force_spectra(
     solution: Solution, description: MachineDescription | None = None
 ) -> Figure:
     """Axial force of helical teeth on every body over one turn, its spectrum."""
-    data = solution.data
-    signals, angle = [], np.asarray(data["shaft_angle"])
-    for body, color in zip(data["body"].values, (BLUE, ORANGE, GREEN), strict=False):
-        force = np.asarray(data["axial_force"].sel(body=body))
-        signals.append((angle, force, f"{readable(str(body))} (N)", color))
-    return _waves_and_spectra(solution, description, "Axial forces over one turn", signals)
+    force = np.asarray(solution.data["axial_force"])
+    title = "Axial forces over one turn"
+    return _forces_and_spectra(solution, description, title, "body", force, "N")
+
+
+def _forces_and_spectra(
+    solution: Solution,
+    description: MachineDescription | None,
+    title: str,
+    over: str,
+    force: Array,
+    unit: str,
+) -> Figure:
+    """Force on each body of a dimension over the angle, shape (samples, bodies), its spectrum."""
+    angle, bodies = np.asarray(solution.data["shaft_angle"]), solution.data[over].values
+    signals = [
+        (angle, own, f"{readable(str(body))} ({unit})", color)
+        for body, own, color in zip(bodies, force.T, (BLUE, ORANGE, GREEN), strict=False)
+    ]
+    return _waves_and_spectra(solution, description, title, signals)
 
 
 def _waves_and_spectra(

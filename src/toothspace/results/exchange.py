@@ -242,6 +242,20 @@ def _row(values: Array, between: str = ", ") -> str:
     return between.join(f"{value:.10g}" for value in values)
 
 
+def headed(frame: pd.DataFrame, index_units: Mapping[str, str]) -> pd.DataFrame:
+    """Rows of a table with ``name [unit]`` on top, those of the index first.
+
+    Parameters
+    ----------
+    frame : pandas.DataFrame
+        Table with the units of its columns in ``attrs["units"]``.
+    index_units : mapping of str to str
+        Units of the index by the names of its levels.
+    """
+    units, rows = frame.attrs["units"] | index_units, frame.reset_index()
+    return rows.set_axis([f"{name} [{units.get(str(name), '1')}]" for name in rows.columns], axis=1)
+
+
 def write_workbook(sheets: Mapping[str, pd.DataFrame], path: Path) -> Path:
     """Write tables as sheets of a workbook for Excel and others, heads as they stand.
 

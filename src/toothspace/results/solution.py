@@ -235,10 +235,11 @@ class Solution:
         path : str or Path
             File to write.
         """
+        from toothspace.results.exchange import headed
+
         frame = self.to_dataframe()
-        index = "s" if frame.index.name == "time" else "rad"
-        heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
-        text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
+        units = {"time": "s", "shaft_angle": "rad"}
+        text = headed(frame, units).to_csv(index=False)
         target = path_of(path, "CSV", "a file to write")
         target.parent.mkdir(parents=True, exist_ok=True)
         return write_text(target, text)

@@ -89,8 +89,8 @@ def fit_losses(
               \left(\frac{\omega}{\omega_m}\right)^i \left(\frac{\Delta p}{\Delta p_m}\right)^j
 
     The displacement per radian in place of that per turn is our choice; it only scales
-    coefficients. All points weigh alike. An interval assumes residuals that are independent and
-    normal, which those of a computed map are not: it tells how well a coefficient is determined.
+    coefficients. All points weigh alike. Intervals assume independent, normal residuals. Those of a
+    computed map are neither, so an interval only tells how well a coefficient is determined.
 
     References
     ----------

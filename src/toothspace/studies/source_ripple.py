@@ -215,10 +215,6 @@ def _dataset(
     )
 
 
-_BAR = 1e5
-_LITRE_PER_MINUTE = 6e4
-
-
 def figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return source flow and impedance, and the pressure ripple that they make."""
     return [
