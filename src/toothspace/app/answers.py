@@ -59,7 +59,7 @@ class Answers:
             return self.full(case, progress)
         run = prepare(case)
         run = self._worn(run, progress).with_films(progress)
-        marches = run.repeated(progress, self._last)
+        marches = run.repeated(progress, self._last, by_pitch=True)
         machine = _as_warm(run.machine, self._warm)
         found = marches(machine)
         if found.status is not Status.DONE and self._last is not None:
