@@ -185,9 +185,9 @@ def _march_pitches(
 
     None where teeth differ from one another, or where no pitch is like the one before.
     """
-    first = system.description.families[0]
-    count = round(first.count * abs(first.angle_ratio))
-    pitch, size = 2.0 * np.pi / count, system.arrays.size
+    first, size = system.description.families[0], system.arrays.size
+    count = round(2.0 * np.pi * first.count * abs(first.angle_ratio) / first.volume.period)
+    pitch = 2.0 * np.pi / count
     time = pitch / system.condition.shaft_speed
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     grid = _SampleGrid.with_samples(plan.samples_per_revolution)
