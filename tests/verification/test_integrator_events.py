@@ -46,6 +46,7 @@ def test_first_and_last_sample_are_the_start_and_the_end():
     np.testing.assert_array_equal(run.record.samples[1], run.y)
 
 
+@pytest.mark.slow
 def test_events_are_found_to_1e_10_with_direction_and_order():
     run = _oscillator(1e-13)
     run.to(6.0)
@@ -57,6 +58,7 @@ def test_events_are_found_to_1e_10_with_direction_and_order():
     assert run.record.event_direction[:4].tolist() == [-1, -1, 1, 1]
 
 
+@pytest.mark.slow
 def test_terminal_event_stops_exactly_and_can_be_passed():
     run = _oscillator(1e-12, actions=(STOP_AT_EVENT, LOG_EVENT))
     run.sample(np.linspace(0.0, 3.0, 31))
@@ -68,6 +70,7 @@ def test_terminal_event_stops_exactly_and_can_be_passed():
     assert run.record.counts.tolist() == [31, 3]
 
 
+@pytest.mark.slow
 def test_terminal_event_beyond_the_end_waits_for_the_next_call():
     run = _oscillator(1e-6, actions=(STOP_AT_EVENT, LOG_EVENT))
     assert run.to(np.pi / 2 - 1e-3) == DONE
@@ -75,6 +78,7 @@ def test_terminal_event_beyond_the_end_waits_for_the_next_call():
     np.testing.assert_allclose(run.y[0], 0.0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_events_beyond_the_capacity_are_counted():
     run = _oscillator(1e-6)
     run.record = run.record._replace(event_times=np.zeros(2))
