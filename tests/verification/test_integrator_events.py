@@ -13,6 +13,8 @@ from toothspace.numerics.ndf_types import (
     TERMINAL_EVENT,
 )
 
+pytestmark = pytest.mark.slow  # every right-hand side is compiled
+
 
 def _oscillator(tolerance=1e-9, actions=(LOG_EVENT, LOG_EVENT), **choices):
     return Run(
@@ -24,7 +26,6 @@ def _network(tolerance):
     return Run(NETWORK, np.r_[np.linspace(1, 3, CELLS), 0.0, 0.0], tolerance, tolerance, 2)
 
 
-@pytest.mark.slow
 def test_samples_between_steps_are_as_accurate_as_the_steps():
     run = _oscillator(1e-8)
     times = np.linspace(0.0, 10.0, 400)
@@ -37,7 +38,6 @@ def test_samples_between_steps_are_as_accurate_as_the_steps():
     assert error < 4.0 * max(end_error, 1e-7)
 
 
-@pytest.mark.slow
 def test_first_and_last_sample_are_the_start_and_the_end():
     run = _oscillator()
     run.sample(np.array([0.0, 2.0]))
@@ -46,7 +46,6 @@ def test_first_and_last_sample_are_the_start_and_the_end():
     np.testing.assert_array_equal(run.record.samples[1], run.y)
 
 
-@pytest.mark.slow
 def test_events_are_found_to_1e_10_with_direction_and_order():
     run = _oscillator(1e-13)
     run.to(6.0)
@@ -58,7 +57,6 @@ def test_events_are_found_to_1e_10_with_direction_and_order():
     assert run.record.event_direction[:4].tolist() == [-1, -1, 1, 1]
 
 
-@pytest.mark.slow
 def test_terminal_event_stops_exactly_and_can_be_passed():
     run = _oscillator(1e-12, actions=(STOP_AT_EVENT, LOG_EVENT))
     run.sample(np.linspace(0.0, 3.0, 31))
@@ -70,7 +68,6 @@ def test_terminal_event_stops_exactly_and_can_be_passed():
     assert run.record.counts.tolist() == [31, 3]
 
 
-@pytest.mark.slow
 def test_terminal_event_beyond_the_end_waits_for_the_next_call():
     run = _oscillator(1e-6, actions=(STOP_AT_EVENT, LOG_EVENT))
     assert run.to(np.pi / 2 - 1e-3) == DONE
@@ -78,7 +75,6 @@ def test_terminal_event_beyond_the_end_waits_for_the_next_call():
     np.testing.assert_allclose(run.y[0], 0.0, atol=1e-9)
 
 
-@pytest.mark.slow
 def test_events_beyond_the_capacity_are_counted():
     run = _oscillator(1e-6)
     run.record = run.record._replace(event_times=np.zeros(2))
