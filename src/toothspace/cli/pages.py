@@ -140,14 +140,22 @@ def export(
     article: Annotated[
         str, typer.Option(metavar="NUMBER", help="Article number, in technical data (.json).")
     ] = "",
+    client: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="For whom a motor is sized: adds its submodel, and a .csv (.json)."
+        ),
+    ] = "",
     force: Force = False,
 ) -> int:
     """Write a result for other programs: tables, Excel, MATLAB, ParaView, simulators."""
     from toothspace.core.netcdf import read_dataset
     from toothspace.results import exchange
     from toothspace.results.solution import load_solution
+    from toothspace.results.technical_data import shell_files, write_technical_data
 
     parts = exchange.amesim_files(target) if target.suffix == ".data" else [target]
+    parts = shell_files(target, client) if target.suffix == ".json" else parts
     for part in parts:
         require_writable(part, "-o", replace=force, endings=_EXPORTS)
     data = read_dataset(result, "a NetCDF file of a run or study")
@@ -156,9 +164,9 @@ def export(
     if target.suffix in {".vtkhdf", ".json"} and solution is None:
         raise CaseError("-o", f"a study for {target.suffix!r}", "the result of a run")
     if target.suffix == ".json" and solution is not None:
-        from toothspace.results.technical_data import write_technical_data
-
-        write_technical_data(solution, target, manufacturer, article)
+        write_technical_data(
+            solution, target, manufacturer, article, client=client, project=result.name
+        )
     elif target.suffix == ".vtkhdf" and solution is not None:
         from toothspace.plotting.space_series import write_space_series
 
