@@ -29,6 +29,7 @@ DOCS = REPOSITORY / "docs"
 PAGES = sorted(p for p in DOCS.rglob("*.md") if not {"_build", "api"} & set(p.parts))
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 HEAVY = {
+    "first_pump",
     "gerotor",
     "startup",
     "floating_bearing",
