@@ -75,6 +75,7 @@ def begin(page: Any, card: str) -> None:
     page.wait_for_selector("#tiles .tile")
 
 
+@pytest.mark.slow
 def test_a_dragged_groove_lowers_the_peak(page: Any) -> None:
     assert "token" not in page.url
     begin(page, "Quiet a pump")
@@ -127,6 +128,7 @@ def test_keyboard_units_and_variants(page: Any) -> None:
     assert re.search(r"\d,\d", page.inner_text("#tiles"))
 
 
+@pytest.mark.slow
 def test_a_new_pump_runs_and_turns(page: Any) -> None:
     page.click(".card:has-text('Size a pump')")
     page.fill("#new-form [name=displacement]", "8")
@@ -139,6 +141,7 @@ def test_a_new_pump_runs_and_turns(page: Any) -> None:
     page.click("#play")
 
 
+@pytest.mark.slow
 def test_one_cursor_goes_through_all_views(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.click("#tabs >> text=Views")
@@ -174,6 +177,7 @@ def test_the_circuit_is_a_diagram_with_its_values(page: Any) -> None:
     assert efficiency == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_wrong_text_is_told_and_changes_nothing(page: Any) -> None:
     begin(page, "Quiet a pump")
     page.click("#tabs >> text=Case file")
@@ -308,6 +312,7 @@ def test_dropped_step_files_become_a_running_machine(
     page.wait_for_selector("#tiles .tile")
 
 
+@pytest.mark.slow
 def test_a_strange_file_is_explained(page: Any, tmp_path: Path) -> None:
     strange = tmp_path / "strange.stl"
     strange.write_bytes(b"no solid at all")
@@ -319,6 +324,7 @@ def test_a_strange_file_is_explained(page: Any, tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_without_the_cookie_nothing_is_shown(server: BenchServer, browser: Any) -> None:
     context = browser.new_context()
     page = context.new_page()
