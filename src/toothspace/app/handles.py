@@ -116,7 +116,7 @@ def _places(case: Case, description: MachineDescription) -> Iterator[tuple[str, 
     if hasattr(machine, "rotors"):
         yield "machine.rotors.eccentricity", _line(first.center, (0.0, -1e-3))
     housing = getattr(machine, "housing", None)
-    if hasattr(housing, "outer_rotor_diameter"):
+    if housing is not None and hasattr(housing, "outer_rotor_diameter"):
         point = (0.5 * housing.outer_rotor_diameter, 0.0)
         yield "machine.housing.outer_rotor_diameter", _line(point, (0.5e-3, 0.0))
     if hasattr(machine, "pinion"):
