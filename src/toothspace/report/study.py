@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _LONGEST_TABLE = 400
 _WIDEST_TABLE = 12
+_MAPS = ({"shaft_speed", "pressure_difference"}, {"shaft_speed", "outlet_pressure"})
+"""Axes of a map."""
 _GOALS = (
     ("overall_efficiency", max, "Most efficient"),
     ("max_chamber_pressure_bar", min, "Lowest peak"),
@@ -78,7 +80,9 @@ def study_answer(result: StudyResult) -> list[str]:
 def _best_of_map(data: xr.Dataset) -> list[str]:
     """Sentence on the point of a map at which the machine is most efficient."""
     name = "overall_efficiency"
-    if name not in data or "shaft_speed" not in data[name].dims or not data[name].notnull().any():
+    if name not in data or set(data[name].dims) not in _MAPS:
+        return []
+    if not data[name].notnull().any():
         return []
     best = data[name].stack(point=data[name].dims)
     best = best[int(best.fillna(-1.0).argmax("point"))]
