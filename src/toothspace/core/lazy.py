@@ -1,15 +1,34 @@
-"""Sequences and mappings that are computed on first use, and packages that a user may lack."""
+"""Things that are made on first use, and packages that a user may lack."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from importlib import import_module
-from typing import Any, TypeVar, final, overload
+from typing import Any, Generic, TypeVar, final, overload
 
 from toothspace.core.errors import GeometryError
 
 _Item = TypeVar("_Item")
+
+
+@final
+class Lazy(Generic[_Item]):
+    """One thing that is made once, when it is asked for first.
+
+    Parameters
+    ----------
+    make : callable
+        Gives it; a function of a module with its arguments, so that it can be pickled.
+    """
+
+    def __init__(self, make: Callable[[], _Item]) -> None:
+        self._make = make
+
+    @cached_property
+    def value(self) -> _Item:
+        """The thing itself."""
+        return self._make()
 
 
 @final
@@ -41,7 +60,7 @@ class LazySequence(Sequence[_Item]):
 
 
 @final
-class LazyMapping(Mapping[str, object]):
+class LazyMapping(Mapping[str, _Item]):
     """Values by name that are made once, when they are asked for first.
 
     Parameters
@@ -50,14 +69,14 @@ class LazyMapping(Mapping[str, object]):
         Gives the mapping; a function of a module with its arguments, so that it can be pickled.
     """
 
-    def __init__(self, make: Callable[[], Mapping[str, object]]) -> None:
+    def __init__(self, make: Callable[[], Mapping[str, _Item]]) -> None:
         self._make = make
 
     @cached_property
-    def _values(self) -> dict[str, object]:
+    def _values(self) -> dict[str, _Item]:
         return dict(self._make())
 
-    def __getitem__(self, name: str) -> object:
+    def __getitem__(self, name: str) -> _Item:
         return self._values[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -137,8 +137,14 @@ class ElasticFaces:
             name: body.deformation(loads[name], named.get(name))
             for name, body in self.bodies.items()
         }
-        films, size = range(len(self.grids)), self.grids[0].area.size
-        return list(in_parallel(lambda k: self._opening(k, moved, snapshot), films, size))
+
+        def opening(k: int) -> Array:
+            parts = [
+                spread @ moved[name][nodes] for name, nodes, spread in self._faces(k, snapshot)
+            ]
+            return np.asarray(sum(parts)).reshape(self.grids[k].area.shape)
+
+        return list(in_parallel(opening, range(len(self.grids)), self.grids[0].area.size))
 
     def resultants(self, pressures: Sequence[Array], snapshot: Snapshot) -> dict[str, Array]:
         """Force and moment of all loads on every body about its centre of mass. [N, N m].
@@ -184,13 +190,6 @@ class ElasticFaces:
             self._named[_KEPT:] = []
             self._named.insert(0, (snapshot, kept))
         return kept
-
-    def _opening(self, index: int, moved: Mapping[str, Array], snapshot: Snapshot) -> Array:
-        """Deformation of one film by the displacements of the nodes of all bodies. [m]."""
-        parts = [
-            spread @ moved[name][nodes] for name, nodes, spread in self._faces(index, snapshot)
-        ]
-        return np.asarray(sum(parts)).reshape(self.grids[index].area.shape)
 
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells.

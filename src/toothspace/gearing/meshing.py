@@ -392,9 +392,18 @@ def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicT
 
     The slope of the gap is exact, so conjugate flanks stay so.
     """
-    drive, driven = flank_radii(gears, side)
     ahead, follows = _along_normal(gears, side)
     ratio = gears.mesh.ratio
+    # of involutes the distances from both centres along the normal, negative on the concave flanks
+    # of a ring gear; at a tip corner the edge counts as rounded
+    edge = _LEAST_RADIUS * gears.mesh.pitch_radii[0]
+    drive, driven = (
+        np.where(end.curvature > 0.2 / edge, edge, sign * np.maximum(np.abs(part), edge))
+        for end, part, sign in (
+            (side.drive, ahead, 1.0),
+            (side.driven, follows, np.sign(ratio)),
+        )
+    )
     complete = side.weight >= 1.0
     # flanks that do not face one another in the lens are apart
     gap = np.where(complete, side.gap, side.gap[complete].max())
@@ -417,21 +426,6 @@ def _along_normal(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
     drive = np.sum(side.drive.point * side.normal, axis=1)
     driven = np.sum((side.driven.point - center) * side.normal, axis=1)
     return drive, driven
-
-
-def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
-    """Radii of curvature of touching flanks. [m].
-
-    On involutes they are the distances of the contact from both centres along the normal, negative
-    on the concave flanks of a ring gear; at a tip corner the edge counts as rounded.
-    """
-    drive, driven = (np.abs(part) for part in _along_normal(gears, side))
-    edge = _LEAST_RADIUS * gears.mesh.pitch_radii[0]
-    sharp = 0.2 / edge
-    drive = np.where(side.drive.curvature > sharp, edge, drive)
-    drive, driven = np.maximum(drive, edge), np.maximum(driven, edge)
-    driven = np.copysign(driven, gears.mesh.ratio)
-    return drive, np.where(side.driven.curvature > sharp, edge, driven)
 
 
 def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:

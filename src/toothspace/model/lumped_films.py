@@ -51,13 +51,19 @@ def journal_data(
     """Collect the data of the bearings whose bodies are free to move, then of moving blocks."""
     carried = [j for j in description.journals if j.body in bush]
     journals = [*carried, *((blocks.film,) if blocks else ())]
+    # bearings with one key have one film map; walls at the ends make a bearing long
     shapes: dict[Any, JournalMap] = {}
+    keys: list[Any] = []
     for journal in journals:
-        shape = _journal_map(_slenderness(journal))
+        open_ended = journal.end_condition != "no_flow"
+        key: Any = round(journal.length / journal.diameter, 9) if open_ended else LONG
+        shape = _journal_map(key)
         if journal.solved is not None:
-            shape = shape._replace(nodes=journal.solved.force_nodes)
-        shapes[_map_key(journal)] = shape
-    places = [list(shapes).index(_map_key(journal)) for journal in journals]
+            nodes = journal.solved.force_nodes
+            key, shape = id(nodes), shape._replace(nodes=nodes)
+        keys.append(key)
+        shapes[key] = shape
+    places = [list(shapes).index(key) for key in keys]
     maps = list(shapes.values()) or [_journal_map(1.0)]
     bodies = {body.name: body for body in description.bodies}
     turning = ((place, description.motions[k]) for place, k in enumerate(free))
@@ -122,18 +128,6 @@ def journal_data(
 def _journal_map(slenderness: float) -> JournalMap:
     # a tenth of a second each; runs against an orifice assemble their machine more than once
     return build_journal_map(slenderness)
-
-
-def _map_key(journal: LumpedJournalBearing) -> Any:
-    """Bearings with one key have one film map."""
-    return _slenderness(journal) if journal.solved is None else id(journal.solved.force_nodes)
-
-
-def _slenderness(journal: LumpedJournalBearing) -> float:
-    """Length over diameter that the film map is made for; walls at the ends make it long."""
-    if journal.end_condition == "no_flow":
-        return LONG
-    return round(journal.length / journal.diameter, 9)
 
 
 def _asperity_tables(journal: LumpedJournalBearing, span: float) -> tuple[Array, Array, Array]:

@@ -97,8 +97,14 @@ def march_revolutions(
     """
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     turn = 2.0 * np.pi / system.condition.shaft_speed
-    grid = _SampleGrid.with_samples(plan.samples_per_revolution)
-    offsets = turn * grid.shares
+    # where in a revolution states are wanted: densely, and at samples that mostly are dense too
+    dense_shares, own_shares = (
+        np.arange(count + 1) / count for count in (DENSE, plan.samples_per_revolution)
+    )
+    aligned = DENSE % plan.samples_per_revolution == 0
+    shares = dense_shares if aligned else np.union1d(dense_shares, own_shares)
+    own, dense = np.searchsorted(shares, own_shares), np.searchsorted(shares, dense_shares)
+    offsets = turn * shares
     limit = plan.revolutions or plan.max_revolutions
     previous: Piece | None = None
     status = Status.DONE if plan.revolutions else Status.NOT_CYCLIC
@@ -122,7 +128,7 @@ def march_revolutions(
             done = k + 1
             # a revolution that was begun elsewhere says nothing about the one before
             if previous is not None and not (search and search.moved):
-                every = grid.dense[::_COMPARED]
+                every = dense[::_COMPARED]
                 changes.append(_difference(system, previous.states[every], piece.states[every]))
             previous = piece
             if plan.revolutions is not None:
@@ -130,7 +136,9 @@ def march_revolutions(
             if changes and changes[-1] <= 1.0:
                 status = Status.DONE
                 break
-            if _stalled(changes):
+            # the last changes are as large as those before
+            recent, earlier = changes[-_WAIT:], changes[-2 * _WAIT : -_WAIT]
+            if len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier):
                 status = Status.NOT_REPEATING
                 break
             # beginning elsewhere costs steps at first order: only where closing takes long
@@ -150,7 +158,7 @@ def march_revolutions(
         if previous is None:
             raise
     assert previous is not None
-    own, dense = (k[k < previous.times.size] for k in (grid.own, grid.dense))
+    own, dense = (k[k < previous.times.size] for k in (own, dense))
     return History(
         status,
         system,
@@ -162,25 +170,6 @@ def march_revolutions(
         DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
         min(changes[-_WAIT:], default=np.inf),
     )
-
-
-@final
-@dataclass(frozen=True)
-class _SampleGrid:
-    """Where in a revolution states are wanted: at its samples, and densely."""
-
-    shares: Array
-    """Ascending shares of the revolution. [-]"""
-    own: IntArray
-    dense: IntArray
-    """Places of the samples and of the dense states among them."""
-
-    @classmethod
-    def with_samples(cls, samples: int) -> _SampleGrid:
-        """Grid with so many samples, which mostly are dense states too."""
-        dense, own = (np.arange(count + 1) / count for count in (DENSE, samples))
-        shares = dense if DENSE % samples == 0 else np.union1d(dense, own)
-        return cls(shares, np.searchsorted(shares, own), np.searchsorted(shares, dense))
 
 
 @final
@@ -236,12 +225,6 @@ class _PeriodicSearch:
             ]
         )
         return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
-
-
-def _stalled(changes: list[float]) -> bool:
-    """Whether the last changes from one revolution to the next are as large as those before."""
-    recent, earlier = changes[-_WAIT:], changes[-2 * _WAIT : -_WAIT]
-    return len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier)
 
 
 def successors(description: MachineDescription) -> IntArray:
