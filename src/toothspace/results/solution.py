@@ -111,6 +111,10 @@ class Solution:
 
     def summary(self) -> Summary:
         """Return the summary numbers, with unit suffixes, status and wall time."""
+        return Summary(self._numbers)
+
+    @cached_property
+    def _numbers(self) -> Summary:
         wall = float(self.statistics.get("wall_time", math.nan))
         if "time" in self.data.sizes:
             numbers = {
