@@ -369,7 +369,16 @@ class FilePath(Key):
             self.fail(f"{name}, whose links lead back to themselves")
         if file.suffix.lower() not in self.suffixes:
             self.fail(f"{name} with the ending {shown(file.suffix)}")
-        wrong = _fault_of(file)
+        wrong = ""
+        try:
+            if file.is_dir():
+                wrong = "is a directory"
+            elif not file.is_file():
+                wrong = "is a device or pipe" if file.exists() else "does not exist"
+            elif not file.stat().st_size:
+                wrong = "is empty"
+        except OSError as error:
+            wrong = f"cannot be read ({error.strerror})"
         if wrong:
             self.fail(f"{name}, which {wrong}")
         return file
@@ -390,18 +399,6 @@ class FilePath(Key):
             return file
         pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
         return {"anyOf": [file, {"type": "array", "items": pair, "minItems": 3}]}
-
-
-def _fault_of(file: Path) -> str:
-    """What is wrong with a file to be read; empty if nothing is."""
-    try:
-        if file.is_dir():
-            return "is a directory"
-        if not file.is_file():
-            return "is a device or pipe" if file.exists() else "does not exist"
-        return "" if file.stat().st_size else "is empty"
-    except OSError as error:
-        return f"cannot be read ({error.strerror})"
 
 
 def _sequence(raw: Any) -> list[Any] | None:

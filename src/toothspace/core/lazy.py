@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from typing import Any, Generic, TypeVar, final, overload
@@ -13,40 +14,30 @@ _Item = TypeVar("_Item")
 
 
 @final
+@dataclass(frozen=True, eq=False)
 class Lazy(Generic[_Item]):
-    """One thing that is made once, when it is asked for first.
+    """One thing that is made once, when it is asked for first."""
 
-    Parameters
-    ----------
-    make : callable
-        Gives it; a function of a module with its arguments, so that it can be pickled.
-    """
-
-    def __init__(self, make: Callable[[], _Item]) -> None:
-        self._make = make
+    make: Callable[[], _Item]
+    """Gives it; a function of a module with its arguments, so that it can be pickled."""
 
     @cached_property
     def value(self) -> _Item:
         """The thing itself."""
-        return self._make()
+        return self.make()
 
 
 @final
+@dataclass(frozen=True, eq=False)
 class LazySequence(Sequence[_Item]):
-    """Items that are made once, when they are asked for first.
+    """Items that are made once, when they are asked for first."""
 
-    Parameters
-    ----------
-    make : callable
-        Gives the items; a function of a module with its arguments, so that it can be pickled.
-    """
-
-    def __init__(self, make: Callable[[], Sequence[_Item]]) -> None:
-        self._make = make
+    make: Callable[[], Sequence[_Item]]
+    """Gives the items; a function of a module with its arguments, so that it can be pickled."""
 
     @cached_property
     def _items(self) -> tuple[_Item, ...]:
-        return tuple(self._make())
+        return tuple(self.make())
 
     @overload
     def __getitem__(self, index: int) -> _Item: ...
@@ -60,21 +51,16 @@ class LazySequence(Sequence[_Item]):
 
 
 @final
+@dataclass(frozen=True, eq=False)
 class LazyMapping(Mapping[str, _Item]):
-    """Values by name that are made once, when they are asked for first.
+    """Values by name that are made once, when they are asked for first."""
 
-    Parameters
-    ----------
-    make : callable
-        Gives the mapping; a function of a module with its arguments, so that it can be pickled.
-    """
-
-    def __init__(self, make: Callable[[], Mapping[str, _Item]]) -> None:
-        self._make = make
+    make: Callable[[], Mapping[str, _Item]]
+    """Gives the mapping; a function of a module with its arguments, so that it can be pickled."""
 
     @cached_property
     def _values(self) -> dict[str, _Item]:
-        return dict(self._make())
+        return dict(self.make())
 
     def __getitem__(self, name: str) -> _Item:
         return self._values[name]

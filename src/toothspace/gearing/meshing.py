@@ -272,17 +272,6 @@ def load_share(gears: MeshedGears, angles: Array) -> Array:
     return np.asarray(own / np.where(own > 0.0, sum(pairs), 1.0), dtype=float)
 
 
-def rigid_contact(gears: MeshedGears) -> tuple[Array, float]:
-    """Normal at the middle of the path of contact, and the lever of the driven rotation. [-], [m].
-
-    The gap changes by ``-n . q_drive + n . q_driven + lever q_rotation``; the lever is signed, and
-    the contact force is the pressure torque on the driven gear over minus the lever.
-    """
-    middle = np.array([0.5 * sum(contact_range(gears))])
-    side = facing_throats(gears.teeth, gears.mesh, gears.loaded_is_left, middle)
-    return side.normal[0], float(driven_lever(side, gears.mesh)[0])
-
-
 def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
     r"""Volume delivered per radian while a throat at given angles seals inlet from outlet.
 

@@ -175,8 +175,8 @@ class LumpedLateralFilm:
     """Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]"""
     tilt: float = 0.0
     """Change of height at the outer radius over the height at the axis (0 parallel). [-]"""
-    face: FilmFace | None = None
-    """What stands before its faces, if the machine type gives it."""
+    face: Lazy[FilmFace] | None = None
+    """Gives what stands before its faces, for solving it on a grid, if the machine type can."""
     drag: float | None = None
     """Torque per viscosity and speed of the body on one face, in place of the closed form. [m3]"""
     asperity_share: float = 0.0
@@ -321,6 +321,11 @@ class MachineDescription:
         Raises GeometryError if loads stand beside the bearing or areas do not fit on it.
         """
         return None if self.floating is None else self.floating.value
+
+    @property
+    def known_faces(self) -> dict[str, FilmFace]:
+        """What stands before the faces of bodies, where the machine type gives it."""
+        return {film.body: film.face.value for film in self.laterals if film.face is not None}
 
     def with_balance(self, balance: LateralBalance) -> MachineDescription:
         """Machine with another floating bearing."""

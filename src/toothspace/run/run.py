@@ -274,6 +274,7 @@ def provenance_of(case: Case) -> dict[str, str]:
 
 
 @final
+@dataclass(eq=False)
 class SeatSearch:
     """Leakage of tabulated lateral films with which the bearing blocks of a machine are seated.
 
@@ -281,11 +282,10 @@ class SeatSearch:
     the load on the seated blocks; a run with each guess leads to the next one.
     """
 
-    def __init__(self, machine: MachineDescription) -> None:
-        self.machine = machine
-        """The machine with the present guess."""
-        self._tried: list[tuple[float, float]] = []
-        self._unsettled = ""
+    machine: MachineDescription
+    """The machine with the present guess."""
+    _tried: list[tuple[float, float]] = field(init=False, default_factory=list)
+    _unsettled: str = field(init=False, default="")
 
     def agree_with(self, found: Solution) -> bool:
         """Whether seats and gaps of a run agree, or no better guess is to be had; else the next."""

@@ -109,7 +109,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         chamber_outlines=None if cut is not None else SpaceOutlines(assembly, numbering),
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
-        as_drawn=as_drawn(assembly),
+        as_drawn={} if spec.drive.found is spec.driven.found is None else as_drawn(assembly),
     )
     if helix is None:
         return machine
