@@ -186,13 +186,16 @@ class HeatSearch:
         self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
         # lateral and journal films have the viscosity of their temperatures
         cold, machine = liquid_of(case).dynamic_viscosity, self._description
-        warm = zip(temperature, self._tried, strict=True)
-        ratio = {node: liquid_of(case, at).dynamic_viscosity / cold for node, at in warm}
+        warm = dict(zip(temperature, self._tried, strict=True))
+
+        def ratio(node: str) -> float:
+            return liquid_of(case, warm[node]).dynamic_viscosity / cold
+
         laterals = tuple(
-            replace(f, viscosity_ratio=ratio[lateral_node(f.body)]) for f in machine.laterals
+            replace(f, viscosity_ratio=ratio(lateral_node(f.body))) for f in machine.laterals
         )
         journals = tuple(
-            replace(j, viscosity_ratio=ratio[journal_node(j.body)]) for j in machine.journals
+            replace(j, viscosity_ratio=ratio(journal_node(j.body))) for j in machine.journals
         )
         beside = float(np.mean([f.viscosity_ratio for f in laterals])) if laterals else 1.0
         paths = tuple(
