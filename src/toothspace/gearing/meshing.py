@@ -38,7 +38,6 @@ _NO_THROAT = 1.0
 _RADIUS_RANGE = 2.9e-3, 1.46
 """Relative radii of curvature that count, over the pitch radius of the drive gear. [-]"""
 
-_GROWN_THROAT = 0.05
 _LEAST_RADIUS = 5.8e-3
 """Radius of an edge in contact, over the pitch radius of the drive gear. [-]"""
 
@@ -336,12 +335,6 @@ def contact_ratio(gears: MeshedGears) -> float:
         return gears.pair.contact_ratio
     start, end = path_of_contact(gears)
     return (end - start) / (2.0 * gears.mesh.half_pitch)
-
-
-def throat_width(gears: MeshedGears, side: Throats) -> Array:
-    """Width of the gap in a throat, which grows while the tips enter the lens. [m]."""
-    grown = np.clip(side.weight / _GROWN_THROAT, 0.0, 1.0)
-    return np.asarray(gears.face_width * grown * grown * (3.0 - 2.0 * grown), dtype=float)
 
 
 def relative_radius(mesh: Mesh, side: Throats, tip_rounding: float) -> Array:

@@ -381,8 +381,8 @@ def _drive(
             row[col.ADDED_FRICTION] = startup.law == "additive"
             row[col.FROM_INTERFACES] = startup.law == "interfaces"
             row[col.SEAL_RATIO] = startup.seal_ratio
-    speed, load = condition.schedules
-    row[[col.SPEED_KNOT, col.SPEED_KNOTS]] = tables.add(speed)
+    load = np.zeros((0, 2)) if shaft is None else shaft.load_history
+    row[[col.SPEED_KNOT, col.SPEED_KNOTS]] = tables.add(condition.speed_schedule)
     row[[col.LOAD_KNOT, col.LOAD_KNOTS]] = tables.add(load)
     drag = lateral_drag(description)
     driven = [body for body in description.bodies if body.role == "driven"]

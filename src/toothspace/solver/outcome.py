@@ -15,7 +15,7 @@ from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import MachineDescription, categories_of
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
 from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES
 from toothspace.model.path_category import (
@@ -273,7 +273,7 @@ def window_ledger(history: History) -> Ledger:
         entries,
         float(history.times[-1] - history.times[0]),
         float(last[0] - first[0]),
-        {c.account: c.account_label for c in system.description.path_categories},
+        {c.account: c.account_label for c in categories_of(system.description.paths)},
     )
 
 
