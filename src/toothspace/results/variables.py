@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import suggestion
+from toothspace.core.netcdf import spare_array_packages
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.results.performance import LATERAL
 
@@ -315,6 +316,7 @@ def dataset_from(
     """
     import xarray as xr
 
+    spare_array_packages()
     for dim, names in labels.items():
         if dim not in LABEL_DIMENSIONS:
             raise KeyError(f"unknown dimension '{dim}'; allowed: {', '.join(LABEL_DIMENSIONS)}")
