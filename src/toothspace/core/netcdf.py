@@ -6,6 +6,7 @@ import hashlib
 import subprocess
 import sys
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
@@ -58,11 +59,12 @@ _WRITE_LOCK = RLock()
 
 
 @final
+@dataclass(eq=False)
 class _ArrayTypes:
     """Array types of a package as xarray asks for them: none as long as it is not loaded."""
 
-    def __init__(self, package: str, module: str) -> None:
-        self._package, self._module = package, module
+    _package: str
+    _module: str
 
     @cached_property
     def _loaded(self) -> Any:
