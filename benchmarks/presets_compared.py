@@ -28,7 +28,7 @@ MACHINES = (
 COARSE = {
     "run.samples_per_revolution": 180,
     "run.film_grid": [84, 12],
-    "run.film_steps_per_revolution": 12,
+    "run.film_steps_per_revolution": 42,
 }
 COLUMNS: Mapping[str, str] = {
     "volumetric_efficiency": "volumetric efficiency",

@@ -32,7 +32,7 @@ PAGE = Path(__file__).resolve().parents[1] / "benchmarks" / "results" / "scaling
 GRIDS = ((240, 64), *SIZES)
 TEETH = (10, 12, 14, 16, 20)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-WORKERS = (1, 2)
+WORKERS = (1, 2, 4, 8)
 NODES = (2, 4, 16, 64, 256)
 PITCH_DIAMETER = 33e-3
 SHIFT, ADDENDUM = 0.3, 1.04
@@ -142,7 +142,7 @@ def tolerance() -> list[str]:
 
 
 def workers() -> list[str]:
-    """An efficiency map of 16 points on one and two workers, and what more cores would do."""
+    """An efficiency map of 16 points on one to eight workers, and what more cores would do."""
     text = ts.load_case("egm12_motor").replace({"run.samples_per_revolution": 360}).to_toml()
     case = ts.Case.from_toml(f"{text}\n[study]\n{MAP}", label="map")
     points = 16

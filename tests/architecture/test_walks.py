@@ -134,7 +134,7 @@ def toy_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Pat
         sys.modules.pop(name, None)
 
 
-@pytest.mark.parametrize("preset", ["ideal", "lumped"])
+@pytest.mark.parametrize("preset", ["ideal", pytest.param("lumped", marks=pytest.mark.slow)])
 def test_machine(toy_package: Path, preset: str) -> None:
     """Two files and an entry point: it runs, balances and is reported under its own names."""
     path = toy_package / "case.toml"
@@ -361,6 +361,7 @@ def graph_with(**changed: str) -> CallGraph:
     return CallGraph(modules.values())
 
 
+@pytest.mark.slow
 def test_friction_closure() -> None:
     """A formula nobody calls is found; the call in the kernel of its phenomenon is enough."""
     formulas = (PACKAGE / "closures" / "friction.py").read_text(encoding="utf-8") + CLOSURE

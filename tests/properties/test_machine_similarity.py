@@ -106,6 +106,7 @@ TOLERANCES = {"egm12_pump": 2e-4, "gerotor_trochoidal": 2e-3, "crescent_pump": 1
 3e-5 or 9e-4 of the mean velocity of the rotor, by the round-off of the processor."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

@@ -50,7 +50,7 @@ def path(machine: MachineDescription, name: str) -> FlowPath:
 @pytest.mark.parametrize(
     ("case", "changes"),
     [
-        (CASE, {}),
+        pytest.param(CASE, {}, marks=pytest.mark.slow),
         pytest.param(CASE, RIGID, marks=pytest.mark.slow),
         pytest.param(CASE, {"run.mesh": "elastic"}, marks=pytest.mark.slow),
         pytest.param(CASE, {"run.fidelity": "films"}, marks=pytest.mark.slow),

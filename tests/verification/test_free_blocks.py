@@ -59,6 +59,7 @@ def test_film_of_the_blocks_carries_what_both_gears_press() -> None:
     assert 0.85 * CLEARANCE < np.hypot(*place) < CLEARANCE
 
 
+@pytest.mark.slow
 def test_mass_and_energy_close() -> None:
     numbers = steady(FREE).summary()
     assert numbers["mass_balance_error"] < 1e-8

@@ -83,6 +83,7 @@ def test_radii_that_enclose_nothing_are_refused():
         ports_of(wrong, _pocket(), RIM)
 
 
+@pytest.mark.slow
 def test_design_rules_warn_of_joined_ports():
     """The geometry report names the fault; the reference designs have none."""
     narrow = PortContourParameters(

@@ -48,6 +48,7 @@ def test_oil_stays_within_the_temperatures_of_real_machines(coupled) -> None:
     assert 55.0 < numbers["highest_film_temperature_degC"] < 80.0
 
 
+@pytest.mark.slow
 def test_warm_films_are_thinner_in_friction_and_leakage(network, coupled) -> None:
     cold, warm = network[1], coupled[1]
     film = warm["highest_film_temperature_degC"] + ZERO_CELSIUS

@@ -13,6 +13,8 @@ from toothspace.numerics.ndf_types import (
     TERMINAL_EVENT,
 )
 
+pytestmark = pytest.mark.slow  # every right-hand side is compiled
+
 
 def _oscillator(tolerance=1e-9, actions=(LOG_EVENT, LOG_EVENT), **choices):
     return Run(
@@ -24,7 +26,6 @@ def _network(tolerance):
     return Run(NETWORK, np.r_[np.linspace(1, 3, CELLS), 0.0, 0.0], tolerance, tolerance, 2)
 
 
-@pytest.mark.slow
 def test_samples_between_steps_are_as_accurate_as_the_steps():
     run = _oscillator(1e-8)
     times = np.linspace(0.0, 10.0, 400)
@@ -37,7 +38,6 @@ def test_samples_between_steps_are_as_accurate_as_the_steps():
     assert error < 4.0 * max(end_error, 1e-7)
 
 
-@pytest.mark.slow
 def test_first_and_last_sample_are_the_start_and_the_end():
     run = _oscillator()
     run.sample(np.array([0.0, 2.0]))

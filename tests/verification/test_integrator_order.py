@@ -39,6 +39,7 @@ def _reference(kind, y0, t_end, absolute):
     return solution.y[:, -1]
 
 
+@pytest.mark.slow
 def test_robertson():
     y0 = [1.0, 0.0, 0.0]
     run = Run(ROBERTSON, y0, 1e-8, 1e-14)
@@ -47,6 +48,7 @@ def test_robertson():
     assert run.count("steps") < 800
 
 
+@pytest.mark.slow
 def test_van_der_pol_relaxation():
     y0 = [2.0, 0.0]
     run = Run(VAN_DER_POL, y0, 1e-8, 1e-8)
@@ -55,6 +57,7 @@ def test_van_der_pol_relaxation():
     assert run.count("steps") < 2500
 
 
+@pytest.mark.slow
 def test_hires_published_solution():
     # E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996),
     # section IV.10; digits of the Bari test set at t = 321.8122.
@@ -95,6 +98,7 @@ def _ring_exact(t, n=26):
     return (expm(matrix * t) @ np.r_[np.zeros(n), 0.0, 1.0])[:n]
 
 
+@pytest.mark.slow
 def test_stiff_ring_of_chambers_with_sparse_factors():
     run = _ring_run(1e-7)
     assert run.program.dense[0] == 0
@@ -104,6 +108,7 @@ def test_stiff_ring_of_chambers_with_sparse_factors():
     np.testing.assert_allclose(run.y, radau, atol=3e-6)
 
 
+@pytest.mark.slow
 def test_error_follows_the_tolerance():
     exact = _ring_exact(0.3)
     errors = []
@@ -115,6 +120,7 @@ def test_error_follows_the_tolerance():
     assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2]
 
 
+@pytest.mark.slow
 def test_kinks_of_the_right_hand_side_cost_few_steps():
     # max(sin t, 0)^2 has a jump in its second derivative twice a turn; y lags by 1 ms. Without a
     # largest step the hump after a long rest would be stepped over.

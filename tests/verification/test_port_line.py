@@ -60,6 +60,7 @@ def test_line_takes_nothing_from_the_machine() -> None:
         )
 
 
+@pytest.mark.slow
 def test_pressure_over_flow_at_the_port_is_the_impedance_of_line_and_orifice() -> None:
     """Transmission line with frequency-dependent friction, ended by 2 dp / q: admittances."""
     case, data = api.load_case(CASE, PORT), pumped().data

@@ -23,7 +23,7 @@ def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path:
         case.run,
         film_tables=None,
         film_grid=(84, 12),
-        film_steps_per_revolution=12,
+        film_steps_per_revolution=36,
         samples_per_revolution=180,
     )
     tables = reduce_films(replace(case, run=plain), ["lateral"])

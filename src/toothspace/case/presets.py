@@ -92,7 +92,10 @@ class ElasticKeys(KeyTable):
         default=2,
     )
     film_steps_per_revolution: int = integer(
-        "Steps of the lateral films over a revolution.", low=12, high=7200, default=112
+        "Steps of the lateral films over a revolution, at least three in a tooth pitch.",
+        low=12,
+        high=7200,
+        default=112,
     )
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _MEASURED = {"shaft_speed": "rpm", "pressure_difference": "bar"}
 """Signals of a measurement that figures can lay over results."""
-_EXPORTS = (".csv", ".xlsx", ".mat", ".vtkhdf", ".json", ".data", ".mo")
+_EXPORTS = (".csv", ".xlsx", ".mat", ".vtkhdf", ".json", ".data", ".mo", ".zarr")
 """Formats of results for other programs, by the ending of the file."""
 
 
@@ -129,8 +129,8 @@ def export(
             "-o",
             "--output",
             metavar="FILE",
-            help="File by its ending: .csv, .xlsx, .mat; of a run also .vtkhdf and .json, of a map "
-            ".data and .mo.",
+            help="File by its ending: .csv, .xlsx, .mat, .zarr; of a run also .vtkhdf and .json, "
+            "of a map .data and .mo.",
         ),
     ],
     frames: Annotated[int, typer.Option(min=1, max=7200, help="States of a VTKHDF file.")] = 121,
@@ -140,25 +140,35 @@ def export(
     article: Annotated[
         str, typer.Option(metavar="NUMBER", help="Article number, in technical data (.json).")
     ] = "",
+    client: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="For whom a motor is sized: adds its submodel, and a .csv (.json)."
+        ),
+    ] = "",
     force: Force = False,
 ) -> int:
-    """Write a result for other programs: tables, Excel, MATLAB, ParaView, simulators."""
+    """Write a result for other programs: tables, Excel, MATLAB, Zarr, ParaView, simulators."""
     from toothspace.core.netcdf import read_dataset
     from toothspace.results import exchange
     from toothspace.results.solution import load_solution
+    from toothspace.results.technical_data import shell_files, write_technical_data
 
     parts = exchange.amesim_files(target) if target.suffix == ".data" else [target]
+    parts = shell_files(target, client) if target.suffix == ".json" else parts
     for part in parts:
-        require_writable(part, "-o", replace=force, endings=_EXPORTS)
+        # a Zarr store is a folder
+        if not (force and part.suffix == ".zarr" and part.is_dir()):
+            require_writable(part, "-o", replace=force, endings=_EXPORTS)
     data = read_dataset(result, "a NetCDF file of a run or study")
     solution = None if "study" in data.attrs else load_solution(result)
     data = data if solution is None else solution.data
     if target.suffix in {".vtkhdf", ".json"} and solution is None:
         raise CaseError("-o", f"a study for {target.suffix!r}", "the result of a run")
     if target.suffix == ".json" and solution is not None:
-        from toothspace.results.technical_data import write_technical_data
-
-        write_technical_data(solution, target, manufacturer, article)
+        write_technical_data(
+            solution, target, manufacturer, article, client=client, project=result.name
+        )
     elif target.suffix == ".vtkhdf" and solution is not None:
         from toothspace.plotting.space_series import write_space_series
 
@@ -166,6 +176,8 @@ def export(
             write_space_series(solution, target, frames, progress)
     elif target.suffix == ".mat":
         exchange.write_mat(data, target)
+    elif target.suffix == ".zarr":
+        exchange.write_zarr(data, target)
     elif target.suffix == ".data":
         exchange.write_amesim(data, target)
     elif target.suffix == ".mo":

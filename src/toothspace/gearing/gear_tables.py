@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -142,6 +143,17 @@ class ReliefGrooveParameters(KeyTable):
         high=100,
         default=None,
     )
+    closing_side_angle: float = quantity(
+        "deg",
+        "Of the closing edge to the centre line, positive where it is farther off beyond the pitch "
+        "point, seen from the drive gear.",
+        low=-60,
+        high=60,
+        default=0.0,
+    )
+    opening_side_angle: float = quantity(
+        "deg", "The same of the opening edge.", low=-60, high=60, default=0.0
+    )
     width: float = quantity("mm", "Extent along x.", above=0, high=200, default=10e-3)
     radial_extent: float = quantity(
         "mm", "Extent along y, centred on the pitch point.", above=0, high=200, default=10e-3
@@ -162,6 +174,13 @@ class ReliefGrooveParameters(KeyTable):
         if self.contour is None:
             reason = "unless a contour file is given"
             require(self, reason, "closing_side_offset", "opening_side_offset")
+        for name in ("closing_side_angle", "opening_side_angle"):
+            angle = getattr(self, name)
+            steepest = math.degrees(math.atan2(self.width, 0.5 * self.radial_extent))
+            if abs(math.degrees(angle)) >= steepest:
+                found = f"{math.degrees(angle):.6g} deg, with which the edge leaves the groove"
+                allowed = f"less than {steepest:.3g} deg either way with this width and extent"
+                raise CaseError(name, found, allowed)
 
     def grooves(self, table: str = "", unit: str = "mm") -> ReliefGrooves:
         """Return the grooves, their contours read from the file; messages name the table above.
@@ -191,6 +210,8 @@ class ReliefGrooveParameters(KeyTable):
         return ReliefGrooves(
             closing_side_offset=_offset(self.closing_side_offset, sides[0], 1.0),
             opening_side_offset=_offset(self.opening_side_offset, sides[1], -1.0),
+            closing_side_angle=self.closing_side_angle,
+            opening_side_angle=self.opening_side_angle,
             width=self.width,
             radial_extent=self.radial_extent,
             depth=depth,
@@ -206,7 +227,10 @@ class ReliefGrooves:
 
     closing_side_offset: float
     opening_side_offset: float
-    """Distance of the groove edge from the centre line. [m]"""
+    """Distance of the groove edge from the centre line at the pitch point. [m]"""
+    closing_side_angle: float = 0.0
+    opening_side_angle: float = 0.0
+    """Of the groove edge to the centre line, positive if it is farther off along +y. [rad]"""
     width: float = 10e-3
     """Extent along x beyond the edge. [m]"""
     radial_extent: float = 10e-3
@@ -221,13 +245,15 @@ class ReliefGrooves:
         """Outlines named by the port that they join, about a height of the pitch point [m]. [m]."""
         low, high = (pitch_point + s * 0.5 * self.radial_extent for s in (-1.0, 1.0))
         sides = (
-            ("outlet", 1.0, self.closing_side_offset, self.closing_contour),
-            ("inlet", -1.0, self.opening_side_offset, self.opening_contour),
+            ("outlet", 1.0, self.closing_side_offset, self.closing_side_angle),
+            ("inlet", -1.0, self.opening_side_offset, self.opening_side_angle),
         )
+        contours = {"outlet": self.closing_contour, "inlet": self.opening_contour}
         found = {}
-        for port, sign, offset, contour in sides:
-            near, far = sign * offset, sign * (offset + self.width)
-            box = np.array([[near, low], [far, low], [far, high], [near, high]])
+        for port, sign, offset, angle in sides:
+            lean = sign * 0.5 * self.radial_extent * math.tan(angle)
+            near, far, contour = sign * offset, sign * (offset + self.width), contours[port]
+            box = np.array([[near - lean, low], [far, low], [far, high], [near + lean, high]])
             found[port] = box if contour is None else contour
         return found
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from toothspace.closures.smooth import smooth_step
 from toothspace.core.compiled import inlined, njit
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array
 from toothspace.gearing.tooth import (
     Flank,
@@ -420,6 +421,11 @@ class Throats:
         return 0.5 * (self.drive.point + self.driven.point)
 
 
+_KEPT = 48
+"""Throats that are remembered: a design is looked at again and again, in part unchanged."""
+
+
+@recalled(_KEPT)
 def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
     """Throats between facing flanks.
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 import shapely
 
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array, IntArray
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears
@@ -168,6 +169,16 @@ def _overlap(start: Array, end: Array, low: float, high: float) -> Array:
     return np.maximum(np.minimum(end, high) - np.maximum(start, low), 0.0)
 
 
+_REACH_STEP = 0.5
+_KEPT = 6
+
+
+@recalled(_KEPT)
+def _enclosed_spaces(spaces: Spaces, indices: IntArray) -> Any:
+    """Tooth spaces at some of their angles, as polygons. [m]."""
+    return enclosed(space_outlines(spaces, indices))
+
+
 def groove_openings(
     spaces: Spaces, polygons: Mapping[str, Array], depth: float
 ) -> dict[str, Array]:
@@ -203,9 +214,10 @@ def groove_openings(
             rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
             place = float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))
         reaches.append(place)
-    reach = max(reaches)
-    near = np.flatnonzero(np.abs(spaces.angles) < reach)
-    shapes = enclosed(space_outlines(spaces, near))
+    # in whole steps, so that outlines are known where a recess is moved
+    step = _REACH_STEP * abs(spaces.own.pitch_angle)
+    near = np.flatnonzero(np.abs(spaces.angles) < step * np.ceil(max(reaches) / step))
+    shapes = _enclosed_spaces(spaces, near)
     found = {}
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))

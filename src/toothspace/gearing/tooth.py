@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.core.compiled import inlined
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
 
@@ -127,6 +128,7 @@ def tooth_curves(profile: GearProfile) -> Tooth:
     return Tooth(left, right, profile.tooth_count, radius)
 
 
+@recalled(8)
 def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -> Flank:
     """Spline through the points of a flank.
 

@@ -141,7 +141,8 @@ def find_in_files(
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
-        Axis and plane of gears in solid files, layer of plane ones; None to find them.
+        Axis and plane of gears in solid files, layer of plane ones, bodies that do not count; None
+        to find them.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []
@@ -161,7 +162,13 @@ def find_in_files(
         rings += found.rings
     if not gears and not rings:
         raise refused[0]
-    return FileContents(_by_size(gears), tuple(others), _by_size(rings))
+    out = set(request.left_out) if request else set()
+
+    def counts(body: FoundGear | PlainBody) -> bool:
+        return not isinstance(body.file, Path) or (body.file.name, body.body) not in out
+
+    gears, rings = (list(filter(counts, bodies)) for bodies in (gears, rings))
+    return FileContents(_by_size(gears), tuple(filter(counts, others)), _by_size(rings))
 
 
 def _plain(path: Path, sections: Iterable[BodySection]) -> list[PlainBody]:

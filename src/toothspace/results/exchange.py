@@ -1,8 +1,9 @@
-"""Results for other programs: MAT files, workbooks, and maps as tables of system simulators."""
+"""Results for other programs: MAT files, workbooks, Zarr, and maps as tables of simulators."""
 
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
@@ -74,6 +75,35 @@ def write_mat(data: xr.Dataset, path: Path) -> Path:
         do_compression=True,
         oned_as="column",
     )
+    return path
+
+
+def write_zarr(data: xr.Dataset, path: Path) -> Path:
+    """Write a result as a Zarr store (version 2), a folder of compressed parts of its arrays.
+
+    Other programs read of it what they ask for, from many processes at once or from object
+    storage. The store is complete or not there.
+
+    Raises GeometryError if the package of the extra ``zarr`` is missing, CaseError if a folder
+    that is no Zarr store stands there.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Data of a solution or study.
+    path : Path
+        Folder to write; a store of that name is replaced.
+    """
+    package_of_extra("zarr", "zarr", f"-o: found {path.name!r}")
+    if path.exists() and not (path / ".zgroup").is_file():
+        raise CaseError(f"{path}: -o", "a folder that is no Zarr store", "a new one")
+    draft = path.with_name(f"{path.name}.part")
+    try:
+        data.drop_encoding().to_zarr(draft, mode="w", zarr_format=2, consolidated=True)
+        shutil.rmtree(path, ignore_errors=True)
+        draft.rename(path)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
     return path
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import ceil, pi
 
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
@@ -20,17 +21,28 @@ from toothspace.run.heating import HeatSearch, lateral_heating
 from toothspace.run.run import Run, interface_models
 from toothspace.run.run import simulate as simulate_chambers
 
+_STEPS_PER_PITCH = 3
+"""Fewest steps of the films in a tooth pitch, after which all pressures repeat. [-]"""
+
 
 def simulate(run: Run, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films.
 
     Where covers rest nothing is in balance but rotors that are free between them, which the
     solved films count already.
+
+    Raises CaseError if the steps over the revolution are too long to follow a tooth pitch: the
+    squeeze between two states a pitch apart is not that of the way between them.
     """
     if interface_models(run.case)["lateral"] == "reynolds":
         return simulate_chambers(run, progress)
     require_floating_part(run.case)
     case, balance = run.case, balance_of(run.machine)
+    steps = case.run.film_steps_per_revolution
+    fewest = ceil(_STEPS_PER_PITCH * 2.0 * pi / balance.interfaces[0].face.period)
+    if steps < fewest:
+        allowed = f"at least {fewest}, {_STEPS_PER_PITCH} for each tooth pitch"
+        raise CaseError("run.film_steps_per_revolution", steps, allowed)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
     ready = run.worn(progress).with_films(progress)
 
@@ -47,7 +59,7 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
         ready.fluid,
         ready.repeated(progress),
         request,
-        case.run.film_steps_per_revolution,
+        steps,
         progress,
         heated=heated,
     )

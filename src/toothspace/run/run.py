@@ -132,12 +132,19 @@ class Run:
             return self.marked(SeatSearch(self.machine).noted(found))
         return self.repeated(progress)(self.machine)
 
-    def repeated(self, progress: Progress | None = None, begin: History | None = None) -> Marches:
+    def repeated(
+        self,
+        progress: Progress | None = None,
+        begin: History | None = None,
+        *,
+        by_pitch: bool = False,
+    ) -> Marches:
         """Marches to the cyclic state of this machine and of ones that differ in gaps and films.
 
-        Each begins where the last one ended, the first where ``begin`` does.
+        Each begins where the last one ended, the first where ``begin`` does; ``by_pitch`` as in
+        :class:`~toothspace.solver.cyclic.RunPlan`.
         """
-        return Marches(self, progress, begin)
+        return Marches(self, progress, begin, by_pitch=by_pitch)
 
     @property
     def values(self) -> dict[str, Any]:
@@ -172,9 +179,18 @@ class Marches:
         Called with the finished share and a short text.
     begin : History, optional
         Where the first one begins: the end of a march of a machine with the same parts.
+    by_pitch : bool
+        Whether a pitch that is like the one before is enough.
     """
 
-    def __init__(self, run: Run, progress: Progress | None, begin: History | None) -> None:
+    def __init__(
+        self,
+        run: Run,
+        progress: Progress | None,
+        begin: History | None,
+        *,
+        by_pitch: bool = False,
+    ) -> None:
         self._run, self._progress = run, progress
         point, settings = run.case.operating_point, run.case.run
         self._orifice = point is not None and point.outlet_load == "orifice"
@@ -183,6 +199,7 @@ class Marches:
             max_revolutions=settings.max_revolutions,
             samples_per_revolution=settings.samples_per_revolution,
             max_steps=settings.step_limit(over_time=False),
+            by_pitch=by_pitch,
         )
         self.last = begin
         """The last march that was done; None where the next one begins anew."""

@@ -16,7 +16,7 @@ from toothspace.core.finding import Finding, beyond_too
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
-from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.model.path_category import LATERAL_PATHS, OPENINGS
 from toothspace.model.paths import by_kind
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History
@@ -261,8 +261,9 @@ def pressure_along_spaces(
 ) -> float:
     """Largest pressure that oil needs to leave a tooth space of a helix at one end. [Pa].
 
-    See :func:`~toothspace.closures.space_flow.pressure_along_space`. Until the end that leads is
-    in the middle of the mesh. Zero with straight teeth and at rest.
+    See :func:`~toothspace.closures.space_flow.pressure_along_space`. From where no port, notch or
+    groove is open at the end that leads, until that end is in the middle of the mesh. Zero with
+    straight teeth and at rest.
 
     Parameters
     ----------
@@ -277,6 +278,7 @@ def pressure_along_spaces(
     if winding is None or shaft_speed == 0.0:
         return 0.0
     width = winding.twist / abs(winding.turn_per_length)
+    first = 0
     for family in winding.section.families:
         shut = np.linspace(0.5 * np.pi, np.pi, _ALONG_ANGLES)
         lead = winding.twist * family.angle_ratio * np.linspace(0.0, 1.0, _ALONG_PLACES)
@@ -295,7 +297,14 @@ def pressure_along_spaces(
             fluid.reference_density,
             fluid.dynamic_viscosity,
         )
-        largest = max(largest, float(found.sum(axis=0).max()))
+        leading = [
+            path.geometry(shut)[:, 0]
+            for path in winding.section.paths
+            if path.category.role in OPENINGS and path.nodes_a[0] == first
+        ]
+        enclosed = np.sum(leading, axis=0) <= 0.0
+        largest = max(largest, float(found.sum(axis=0).max(initial=0.0, where=enclosed)))
+        first += family.phases.size
     return largest
 
 

@@ -66,10 +66,7 @@ class Workers:
                 # fresh processes: a fork would copy the locks of the progress bar's thread
                 context = get_context("spawn")
                 self._executor = ProcessPoolExecutor(self.count, context, initializer=start_worker)
-            executor = self._executor
-            if self._client is not None and self._client.status == "closed":
-                raise self._lost()
-            waiting = {executor.submit(call, item): k for k, item in enumerate(arguments)}
+            waiting = {self._submitted(call, item): k for k, item in enumerate(arguments)}
         blamed = []
         try:
             for future in as_completed(waiting):
@@ -80,7 +77,7 @@ class Workers:
                 yield waiting[future], result
             # the scheduler blames all calls that a worker had when it died: each again, alone
             for k in blamed:
-                yield k, self._result(executor.submit(call, arguments[k]))
+                yield k, self._result(self._submitted(call, arguments[k]))
         except BrokenProcessPool as error:
             raise ToothspaceError(
                 f"study: a worker process died, perhaps for lack of memory; {_KEPT} and fewer "
@@ -89,6 +86,16 @@ class Workers:
         finally:
             for future in waiting:
                 future.cancel()
+
+    def _submitted(self, call: Callable[[Any], Any], argument: Any) -> Any:
+        assert self._executor is not None
+        try:
+            return self._executor.submit(call, argument)
+        except Exception as error:
+            # the line may break at any moment, and then no call is taken any more
+            if self._client is None or self._client.status not in ("closing", "closed"):
+                raise
+            raise self._lost() from error
 
     def _result(self, future: Any) -> Any:
         if self._client is None:

@@ -274,7 +274,7 @@ _ELASTIC = (
     "run.fidelity=elastic",
     "run.samples_per_revolution=180",
     "run.film_grid=[84, 12]",
-    "run.film_steps_per_revolution=12",
+    "run.film_steps_per_revolution=36",
 )
 
 

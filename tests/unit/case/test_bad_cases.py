@@ -493,6 +493,15 @@ def test_refused_study_leaves_no_folder(
     assert not (tmp_path / "out").exists()
 
 
+def test_steps_of_films_longer_than_a_third_of_a_pitch(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short = ("--fidelity", "elastic", "--set", "run.film_steps_per_revolution=35")
+    assert run_text(GEAR_CASE.read_text(encoding="utf-8"), tmp_path, *short) == 2
+    allowed = "found 35, allowed at least 36, 3 for each tooth pitch"
+    assert f"run.film_steps_per_revolution: {allowed}" in capsys.readouterr().err
+
+
 def run_text(text: str, tmp_path: Path, *options: str) -> int:
     """Exit code of a run of a case with this text."""
     file = tmp_path / "bad.toml"

@@ -195,3 +195,29 @@ def test_a_map_is_a_table_over_speed_and_pressure(
     np.testing.assert_array_equal(table["mean_flow_L_per_min [L/min]"], flow.ravel())
     assert main(["export", str(tmp_path / "study.nc"), "-o", str(tmp_path / "map.xyz")]) == 2
     assert ".csv" in capsys.readouterr().err
+
+
+def test_a_study_is_read_lazily_from_zarr(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("zarr")
+    study, store = saved_map(tmp_path), tmp_path / "map.zarr"
+    words = ["export", study, "-o", str(store)]
+    assert main(words) == 0
+    found = xr.open_zarr(store, chunks=None)
+    assert not found["mean_flow_L_per_min"].variable._in_memory
+    xr.testing.assert_identical(found.load(), xr.open_dataset(study).load())
+    assert main(words) == 2
+    assert main([*words, "--force"]) == 0
+    assert [one.name for one in tmp_path.glob("*zarr*")] == ["map.zarr"]
+    (tmp_path / "mine.zarr").mkdir()
+    assert main(["export", study, "-o", str(tmp_path / "mine.zarr"), "--force"]) == 2
+    assert "a folder that is no Zarr store" in capsys.readouterr().err
+
+
+def test_zarr_needs_its_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    assert main(["export", saved_map(tmp_path), "-o", str(tmp_path / "map.zarr")]) == 2
+    assert "toothspace[zarr]" in capsys.readouterr().err

@@ -67,6 +67,13 @@ def test_a_machine_needs_more_the_faster_it_turns_and_the_same_for_both_hands() 
     assert pressure_along_spaces(run.machine, run.fluid, 0.0) == 0.0
 
 
+@pytest.mark.slow
+def test_nothing_is_needed_while_the_end_that_leads_is_open() -> None:
+    """The recess of the cover is open to the pinion until the spaces are as good as empty."""
+    run = api.prepare(ts.load_case(HELICAL.with_name("crescent_helical.toml")))
+    assert pressure_along_spaces(run.machine, run.fluid, SPEED) < 1e5
+
+
 def test_what_one_pressure_cannot_hold_is_said_with_its_number() -> None:
     assert not list(along_spaces(5e5, 120e5))
     (finding,) = along_spaces(9e5, 120e5)

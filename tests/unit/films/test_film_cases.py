@@ -214,6 +214,7 @@ def test_orbit_comes_to_rest(memory: str) -> None:
     assert film["orbit_max_eccentricity_ratio"] > film["eccentricity_ratio"]
 
 
+@pytest.mark.slow
 def test_heavy_unbalance_in_an_elliptical_bore() -> None:
     """The bore is narrow in one direction: steps stay within it, not within the round one."""
     rest = 'load = ["1000 N", "0 N"]\nlobes = {count = 2, preload = 0.5}\n[bearing.orbit]\n'

@@ -96,6 +96,7 @@ def test_coarse_mesh_is_named_with_its_chords_and_what_to_export(tmp_path: Path)
     assert "export curves, not facets, as STEP, or a mesh with a chord tolerance of 1 um" in warning
 
 
+@pytest.mark.slow
 def test_form_error_gives_an_interval_and_a_warning(tmp_path: Path) -> None:
     points = wavy(outline(400), 1e-5, 1.5e-3)
     keys = ["machine.gears.center_distance=34.52 mm"]

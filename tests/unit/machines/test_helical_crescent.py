@@ -36,6 +36,7 @@ def test_the_transverse_section_is_that_of_the_spur_twin() -> None:
     assert machine().displacement == pytest.approx(found.section.displacement, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_vanishing_helix_is_a_spur_gear() -> None:
     spur, helical = machine("0 deg", None), machine("1e-4 deg")
     assert spur.winding is None

@@ -14,9 +14,8 @@ from toothspace.core.status import Status
 from toothspace.results.solution import load_solution
 
 
-@pytest.mark.parametrize("status", list(Status))
-def test_round_trip_is_identical(tmp_path: Path, status: Status) -> None:
-    solution = replace(fake_solution(), status=status)
+def test_round_trip_is_identical(tmp_path: Path) -> None:
+    solution = replace(fake_solution(), status=Status.NOT_CYCLIC)
     back = load_solution(solution.save(tmp_path / "result.nc"))
     xr.testing.assert_identical(back.data, solution.data)
     assert replace(back, data=solution.data) == solution

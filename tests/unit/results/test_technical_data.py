@@ -3,19 +3,42 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.fake_solution import fake_solution
 from toothspace.core.errors import CaseError
-from toothspace.results.technical_data import write_technical_data
+from toothspace.results.solution import Solution
+from toothspace.results.technical_data import pump_quantities, write_technical_data
 
 
-def written(folder: Path) -> dict[str, Any]:
-    path = write_technical_data(fake_solution(36), folder / "pump.json", "ACME", "12-495")
+def written(folder: Path, solution: Solution | None = None, client: str = "") -> dict[str, Any]:
+    path, *_ = write_technical_data(
+        solution or fake_solution(36), folder / "pump.json", "ACME", "12-495", client=client
+    )
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def pump() -> Solution:
+    """The made-up motor, with the words of a pump."""
+    motor = fake_solution(36)
+    return replace(motor, data=motor.data.assign_attrs(mode="pump"))
+
+
+def elements(parent: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Elements of a submodel, a collection or an entity by their names."""
+    found = parent.get("submodelElements") or parent.get("statements") or parent["value"]
+    return {one["idShort"]: one for one in found}
+
+
+def meaning(element: dict[str, Any]) -> str:
+    found: str = element["semanticId"]["keys"][0]["value"]
     return found
 
 
@@ -44,11 +67,75 @@ def test_the_submodel_has_what_its_template_asks_for(tmp_path: Path) -> None:
     )
 
 
-def test_it_keeps_the_rules_of_asset_administration_shells(tmp_path: Path) -> None:
+def test_a_pump_has_names_of_opc_40223(tmp_path: Path) -> None:
+    """Browse names and numeric identifiers as the foundation publishes them; values in SI units."""
+    submodel = written(tmp_path, pump())["submodels"][0]
+    area = elements(submodel)["TechnicalPropertyAreas"]["value"][0]
+    found = elements(elements(area)["OpcUaPump"])
+    published = {
+        "GeometricDisplacementVolume": 7708,
+        "DifferentialPressure": 12647,
+        "Speed": 12719,
+        "Torque": 9465,
+        "PumpPowerInput": 12697,
+        "PumpPowerOutput": 12699,
+        "PumpEfficiency": 12693,
+        "VolumetricEfficiency": 12727,
+    }
+    for name, number in published.items():
+        assert meaning(found[name]) == f"nsu=http://opcfoundation.org/UA/Pumps/;i={number}"
+    value = {name: float(one["value"]) for name, one in found.items()}
+    # its energies are still those of a motor
+    power = abs(value["Torque"]) * value["Speed"] * 2.0 * math.pi
+    assert value["PumpPowerInput"] == pytest.approx(power, rel=1e-3)
+    assert value["PumpEfficiency"] * value["PumpPowerInput"] == pytest.approx(
+        value["PumpPowerOutput"], rel=1e-9
+    )
+    geometric = value["GeometricDisplacementVolume"] * value["Speed"]
+    assert value["GeometricalFlow"] == pytest.approx(geometric)
+    # they are names of pumps
+    assert pump_quantities(fake_solution(36)) == {}
+
+
+def test_who_sizes_the_motor_gets_its_motion(tmp_path: Path) -> None:
+    """Compulsory elements of IDTA 02021-1-0 with their meanings; the torque acts against a pump."""
+    solution = pump()
+    time = solution.data["time"]
+    speed = solution.data["shaft_speed"] + 2.0 * (time - time[0])
+    solution = replace(solution, data=solution.data.assign(shaft_speed=speed))
+    sizing = written(tmp_path, solution, "Example Machines")["submodels"][1]
+    iri = "https://admin-shell.io/idta/PowerDriveTrainSizing"
+    assert meaning(sizing) == f"{iri}/1/0"
+    parts = elements(sizing)
+    information = elements(parts["SizingProjectInformation"])
+    for name in ("ClientName", "SizingProjectName", "SizingProjectLink", "SizingToolName"):
+        assert meaning(information[name]) == f"{iri}/{name}/1/0"
+    assert {"DateCreated", "DateChanged", "ContactInformation"} < set(information)
+    assert elements(parts["SizingResult"])["Messages"]
+    section = parts["ApplicationRequirements"]
+    for name in ("MotionPattern", "MotionPatternSections", "RotativeSection"):
+        section = elements(section)[name]
+    assert meaning(section) == f"{iri}/RotativeMotionPatternSection/1/0"
+    columns = list(elements(elements(section)["MetadataRotativeMotionFile"]))
+    file = tmp_path / elements(section)["MotionSectionFile"]["value"]
+    head, *_ = file.read_text(encoding="utf-8").splitlines()
+    assert [name.split(" [")[0] for name in head.split(";")] == columns
+    seconds, angle, turning, acceleration, torque = np.loadtxt(file, delimiter=";", skiprows=1).T
+    assert seconds[0] == angle[0] == 0.0
+    np.testing.assert_allclose(turning, speed, rtol=1e-9)
+    np.testing.assert_allclose(acceleration, 2.0, rtol=1e-6)
+    np.testing.assert_allclose(torque, -solution.data["shaft_torque"], rtol=1e-9)
+    machine = elements(parts["TransformationMechanism"])["Pump"]
+    efficiency = float(elements(machine)["Efficiency"]["value"])
+    assert efficiency == solution.summary()["overall_efficiency"]
+
+
+@pytest.mark.parametrize("client", ["", "Example Machines"])
+def test_it_keeps_the_rules_of_asset_administration_shells(tmp_path: Path, client: str) -> None:
     """The reader and the rules of the metamodel 3.0, of its own project."""
     reading = pytest.importorskip("aas_core3.jsonization")
     rules = pytest.importorskip("aas_core3.verification")
-    environment = reading.environment_from_jsonable(written(tmp_path))
+    environment = reading.environment_from_jsonable(written(tmp_path, pump(), client))
     assert [f"{error.path}: {error.cause}" for error in rules.verify(environment)] == []
 
 

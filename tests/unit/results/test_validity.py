@@ -54,6 +54,7 @@ def test_a_stream_that_runs_backwards_has_no_temperature() -> None:
     assert np.isnan(outlet_temperature(solution.data, ledger))
 
 
+@pytest.mark.slow
 def test_a_run_with_bearings_too_tight_says_so() -> None:
     bearings = {"machine__journal_bearings__radial_clearance": "1 um"}
     found = simulate(PUMP, operating_point__shaft_speed="8000 rpm", **bearings)

@@ -154,6 +154,7 @@ def blocked() -> Case:
     return load_case(CASES / "startup_blocked.toml", ["circuit.duration=0.3 s"])
 
 
+@pytest.mark.slow
 def test_a_shaft_that_never_turns_is_told_and_no_start(blocked: Case) -> None:
     found = api.simulate(blocked)
     assert any(x.text.startswith("The shaft never turns") for x in found.warnings)

@@ -22,7 +22,8 @@ FIVE_MORE = [
 
 @pytest.mark.parametrize("driven", [ONE_MORE, FIVE_MORE], ids=["12/13", "12/17"])
 @pytest.mark.parametrize(
-    "preset", ["ideal", "lumped", pytest.param("films", marks=pytest.mark.slow)]
+    "preset",
+    ["ideal", *(pytest.param(name, marks=pytest.mark.slow) for name in ("lumped", "films"))],
 )
 def test_unequal_gears_run_with_every_preset(
     preset: str, driven: list[str], tmp_path: Path

@@ -31,11 +31,11 @@ def run(name: str, samples: int, *overrides: str) -> Solution:
 @pytest.mark.parametrize(
     ("name", "overrides"),
     [
-        ("egm12_pump", []),
         ("egm12_pump", ["run.fidelity=ideal"]),
-        ("crescent_motor", []),
-        ("fuel14_pump", []),
         ("gerotor_cycloidal", []),
+        pytest.param("egm12_pump", [], marks=pytest.mark.slow),
+        pytest.param("crescent_motor", [], marks=pytest.mark.slow),
+        pytest.param("fuel14_pump", [], marks=pytest.mark.slow),
         pytest.param("egm12_motor", [], marks=pytest.mark.slow),
         pytest.param("crescent_pump", [], marks=pytest.mark.slow),
         pytest.param("gerotor_trochoidal", [], marks=pytest.mark.slow),

@@ -18,6 +18,7 @@ def test_numbers_by_hand() -> None:
     assert taylor_number(780.0, -7.5, 1e-4, 9e-3, 1e-3) == pytest.approx(expected)
 
 
+@pytest.mark.slow
 def test_a_thin_fuel_in_wide_bearings_is_told() -> None:
     quick = {"run__samples_per_revolution": 180, "heat__model": "network"}
     wide = {

@@ -31,6 +31,7 @@ def loose() -> Case:
     return load_case("gerotor_cycloidal", WIDE)
 
 
+@pytest.mark.slow
 def test_a_rotor_that_loses_its_mate_ends_the_run(loose: Case) -> None:
     found = api.simulate(loose)
     assert found.status is Status.OUT_OF_MESH

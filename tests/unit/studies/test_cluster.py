@@ -112,6 +112,24 @@ def test_a_scheduler_may_be_lost_between_two_generations(threads: LocalCluster) 
             list(pool.each(abs, [-1]))
 
 
+def test_a_scheduler_may_be_lost_while_it_is_given_points(
+    threads: LocalCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Workers(1, threads.scheduler_address) as pool:
+        assert list(pool.each(abs, [-1])) == [(0, 1)]
+        assert pool._executor is not None
+        submit = pool._executor.submit
+
+        def submit_and_lose(call: Any, item: int) -> Any:
+            if item == 2:
+                pool._client.close()
+            return submit(call, item)
+
+        monkeypatch.setattr(pool._executor, "submit", submit_and_lose)
+        with pytest.raises(ToothspaceError, match="does not answer any more"):
+            list(pool.each(abs, [1, 2, 3]))
+
+
 def test_what_the_cluster_cannot_do_is_one_sentence(threads: LocalCluster) -> None:
     with (
         Workers(1, threads.scheduler_address) as pool,
@@ -140,13 +158,15 @@ def test_a_lost_scheduler_is_told(
 
     def connect_and_lose(address: str) -> Any:
         client = connect(address)
+        client._timeout = 1.0  # for which it looks for the scheduler again
         scheduler.kill()
         return client
 
     monkeypatch.setattr(workers, "_client", connect_and_lose)
-    monkeypatch.setattr(workers, "_ANSWER_TIME", 5.0)
+    monkeypatch.setattr(workers, "_ANSWER_TIME", 60.0)
     try:
-        while not told.exists():
+        # the file is there before the address is in it
+        while not told.exists() or not told.read_text():
             assert scheduler.poll() is None
             time.sleep(0.05)
         address = json.loads(told.read_text())["address"]

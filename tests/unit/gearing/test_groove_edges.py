@@ -1,0 +1,64 @@
+"""Relief grooves whose edges lean: outlines, the same from keys and from a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from toothspace import api
+from toothspace.core.errors import CaseError
+from toothspace.gearing.gear_tables import ReliefGrooves
+
+PITCH_POINT = 17e-3
+ANGLES = {"closing_side_angle": np.deg2rad(12.0), "opening_side_angle": np.deg2rad(-20.0)}
+KEYS = "machine.relief_grooves"
+
+
+def test_an_edge_leans_about_the_height_of_the_pitch_point() -> None:
+    straight = ReliefGrooves(closing_side_offset=3.6e-3, opening_side_offset=3.2e-3)
+    leaning = ReliefGrooves(closing_side_offset=3.6e-3, opening_side_offset=3.2e-3, **ANGLES)
+    for port, sign, offset, angle in (
+        ("outlet", 1.0, 3.6e-3, ANGLES["closing_side_angle"]),
+        ("inlet", -1.0, 3.2e-3, ANGLES["opening_side_angle"]),
+    ):
+        box, found = straight.outlines(PITCH_POINT)[port], leaning.outlines(PITCH_POINT)[port]
+        low, high = sign * found[0, 0], sign * found[3, 0]
+        assert 0.5 * (low + high) == pytest.approx(offset)
+        assert (high - low) / np.ptp(found[:, 1]) == pytest.approx(np.tan(angle))
+        # what the edge gains on one side of the pitch point it loses on the other
+        areas = [shapely.Polygon(one).area for one in (box, found)]
+        assert areas[1] == pytest.approx(areas[0], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_keys_and_a_file_of_the_same_outline_give_the_same_openings(tmp_path: Path) -> None:
+    case = api.load_case("egm12_pump")
+    leaning = case.replace({f"{KEYS}.{name}": f"{np.rad2deg(x)} deg" for name, x in ANGLES.items()})
+    grooves = leaning.machine.relief_grooves.grooves()
+    pitch_point = 0.5 * api.describe(leaning).geometry_summary["center_distance_mm"] * 1e-3
+    file = tmp_path / "grooves.txt"
+    loops = [1e3 * np.vstack([one, one[:1]]) for one in grooves.outlines(pitch_point).values()]
+    file.write_text("\n\n".join("\n".join(f"{x} {y}" for x, y in one) for one in loops))
+    drawn = case.replace({f"{KEYS}.contour": str(file)})
+    areas = [
+        {
+            path.name: path.geometry.values[:, 0]
+            for path in api.describe(one).paths
+            if "groove" in path.name
+        }
+        for one in (leaning, drawn, case)
+    ]
+    assert areas[0]
+    for name, area in areas[0].items():
+        np.testing.assert_allclose(area, areas[1][name], atol=1e-12)
+    assert any(np.max(np.abs(areas[0][name] - areas[2][name])) > 1e-7 for name in areas[0])
+
+
+def test_an_edge_stays_within_its_groove() -> None:
+    case = api.load_case("egm12_pump").replace({f"{KEYS}.width": "2 mm"})
+    said = r"closing_side_angle: found 30 deg, with which the edge leaves the groove, allowed less"
+    with pytest.raises(CaseError, match=said):
+        case.replace({f"{KEYS}.closing_side_angle": "30 deg"})
