@@ -440,7 +440,8 @@ def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
     angles : ndarray
         Throat angles. [rad]
     """
-    data = _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float))
+    data = np.zeros((angles.size, _COLUMNS))
+    _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float), data)
     ends = (
         ThroatEnd(
             point=data[:, 1 + 2 * k : 3 + 2 * k],
@@ -567,9 +568,8 @@ def _signed_gap(
 
 
 @njit
-def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Array:
+def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array, rows: Array) -> None:
     window = throat_window(drive, driven, mesh)
-    rows = np.zeros((angles.size, _COLUMNS))
     idle = Closest(0.0, 0.0, FIRST_AT_CORNER)
     for k in range(angles.size):
         angle, row = angles[k], rows[k]
@@ -599,4 +599,3 @@ def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Arra
         row[18] = flank_curvature(drive, near.first)
         row[19] = flank_curvature(driven, near.second)
         row[20] = near.mode
-    return rows

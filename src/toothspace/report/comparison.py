@@ -204,7 +204,11 @@ class Comparison:
             warnings=self.warnings(),
             findings=self.finding_lines(),
             keys=self._keys,
-            numbers=[_shown_number(name, *both) for name, both in self.numbers().items()],
+            numbers=[
+                (label.label, label.unit, *_shown_row(name, label.unit, *both))
+                for name, both in self.numbers().items()
+                for label in [quantity(name, both[0])]
+            ],
             losses=[(n, "W", *_shown_row(n, "W", *both)) for n, both in self.losses().items()],
         )
         return write_text(Path(path), page)
@@ -256,11 +260,6 @@ def _shown_row(name: str, unit: str, first: float, second: float) -> tuple[str, 
     one, two, difference = (format_value(value) for value in values)
     change = shown_change(name if scale == 1.0 else f"{name}_percent", first, second)
     return one, two, difference, "" if change == "-" else change
-
-
-def _shown_number(name: str, first: float, second: float) -> tuple[str, ...]:
-    label = quantity(name, first)
-    return label.label, label.unit, *_shown_row(name, label.unit, first, second)
 
 
 def _leaves(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:
