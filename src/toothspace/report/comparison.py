@@ -156,12 +156,12 @@ class Comparison:
             first, second = numbers.get(name, (0.0, 0.0))
             if abs(second - first) <= _NOTHING * abs(first):
                 continue
-            _, unit, *_, difference, share = _shown_number(name, first, second)
-            label = quantity(name, first).label.lower()
+            label, _, unit = quantity(name, first)
+            *_, difference, share = _shown_row(name, unit, first, second)
             unit = "points" if unit == "%" else unit
             part = f", {share}" if share.endswith("%") and unit != "points" else ""
             way = "more" if second > first else "less"
-            came.append(f"{label} {difference.lstrip('-+')} {unit} {way}{part}")
+            came.append(f"{label.lower()} {difference.lstrip('-+')} {unit} {way}{part}")
         if came:
             text = "; ".join(came)
             said.append(f"The second one: {text}.")
