@@ -51,7 +51,8 @@ class Answers:
         self._tracks: Tracks | None = None
         self._warm: MachineDescription | None = None
         self.solution: Solution | None = None
-        """The last one."""
+        self.machine: MachineDescription | None = None
+        """The last one, and its machine."""
 
     def quick(self, case: Case, progress: Progress | None = None) -> Solution:
         """Solve a case as it stands, from the last cyclic state; other presets in full."""
@@ -68,13 +69,14 @@ class Answers:
         # what films and oil warm up to with these losses, without a further round
         heat = HeatSearch(case, run.machine)
         heat.agree_with(found)
-        self._last, self.solution = marches.last, heat.solution
+        self._last, self.solution, self.machine = marches.last, heat.solution, machine
         return self.solution
 
     def full(self, case: Case, progress: Progress | None = None) -> Solution:
         """Solve a case with its own running-in and the temperatures that its films reach."""
         if case.run.fidelity != _QUICK or case.operating_point is None:
             self.solution = simulate(case, progress)
+            self.machine = self.solution.description
             return self.solution
         run = prepare(case).worn(progress)
         self._tracks = run.tracks
@@ -83,7 +85,7 @@ class Answers:
         while not heat.agree_with(marches(heat.machine)):
             pass
         self._last, self._warm = marches.last, heat.machine
-        self.solution = heat.solution
+        self.solution, self.machine = heat.solution, heat.machine
         return self.solution
 
     def _worn(self, run: Run, progress: Progress | None) -> Run:
@@ -126,13 +128,17 @@ def told(solution: Solution) -> dict[str, Any]:
     }
 
 
-def shown(solution: Solution, *, findings: bool = True) -> dict[str, Any]:
+def shown(
+    solution: Solution, machine: MachineDescription | None = None, *, findings: bool = True
+) -> dict[str, Any]:
     """Return a solution as the bench shows it: numbers, findings, curves over a turn, losses.
 
     Parameters
     ----------
     solution : Solution
         The answer.
+    machine : MachineDescription, optional
+        Its machine, where it is at hand.
     findings : bool
         Whether to look for findings too, a tenth of a second in which a quick answer is waited
         for; None stands for them otherwise.
@@ -149,8 +155,10 @@ def shown(solution: Solution, *, findings: bool = True) -> dict[str, Any]:
         {"cause": loss.cause, "label": loss.label, "watt": plain(loss.power)}
         for loss in loss_causes(solution.ledger)
     ]
-    if "shaft_angle" in solution.data.sizes and solution.description is not None:
-        found["turn"] = _turn(solution, solution.description)
+    turns = "shaft_angle" in solution.data.sizes
+    machine = machine or (solution.description if turns else None)
+    if turns and machine is not None:
+        found["turn"] = _turn(solution, machine)
     elif "time" in solution.data.sizes:
         found["course"] = _course(solution)
     return found

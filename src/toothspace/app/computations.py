@@ -97,7 +97,7 @@ class Computations:
             found = solve(case, self._told)
         if found.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        return shown(found, findings=full or not found.status.succeeded)
+        return shown(found, answers.machine, findings=full or not found.status.succeeded)
 
     def findings(self, design: str) -> dict[str, Any]:
         """What there is to know of the last answer of a design."""

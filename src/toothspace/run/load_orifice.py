@@ -119,7 +119,11 @@ class OutletBalance:
 
 
 def march_against_orifice(
-    system: System, plan: RunPlan, last: History | None, progress: Progress | None
+    system: System,
+    plan: RunPlan,
+    last: History | None,
+    progress: Progress | None,
+    loaded: System | None = None,
 ) -> tuple[History, str]:
     """March against a load orifice with which the mean outlet pressure is the asked one.
 
@@ -134,6 +138,8 @@ def march_against_orifice(
         orifice, or with the outlet held.
     progress : callable, optional
         Called with the finished share and a short text.
+    loaded : System, optional
+        The machine with the orifice of the former run, where it is known.
 
     Returns
     -------
@@ -145,7 +151,7 @@ def march_against_orifice(
     wanted = system.condition.outlet_pressure - system.condition.load_pressure
     held = last
     if last is not None and last.system.condition.load_area > 0.0:
-        loaded = system.at(load_area=last.system.condition.load_area)
+        loaded = loaded or system.at(load_area=last.system.condition.load_area)
         history, told = _sized(loaded, wanted, plan, first_turn_state(last), progress)
         if not told:
             return history, told

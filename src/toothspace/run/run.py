@@ -210,9 +210,9 @@ class Marches:
         seats, settled = SeatSearch(machine), False
         while not settled:
             system = assemble(seats.machine, run.fluid, run.condition)
-            last = self._begin(system)
+            last, loaded = self._begin(system)
             if self._orifice:
-                history, told = march_against_orifice(system, self._plan, last, progress)
+                history, told = march_against_orifice(system, self._plan, last, progress, loaded)
             else:
                 state = None if last is None else first_turn_state(last)
                 history, told = march_to_balance(system, self._plan, progress, state), ""
@@ -241,7 +241,7 @@ class Marches:
         if self._orifice:
             condition = with_held_outlet(condition)
         system = assemble(machine, run.fluid, condition)
-        last = self._begin(system)
+        last, _ = self._begin(system)
         state = None if last is None else first_turn_state(last)
         plan = replace(self._plan, revolutions=None if last is None else 1)
 
@@ -252,16 +252,18 @@ class Marches:
         self.last = history if history.status is Status.DONE else None
         return history
 
-    def _begin(self, system: System) -> History | None:
-        """The last march, where a march of a system can begin at its end."""
+    def _begin(self, system: System) -> tuple[History | None, System | None]:
+        """The last march, where a march of a system can begin at its end; the system loaded so."""
         if self.last is None:
-            return None
-        before, after = self.last.system, system
+            return None, None
+        before, after, loaded = self.last.system, system, None
         if self._orifice and before.condition.load_node != after.condition.load_node:
             after = after.under(with_held_outlet(after.condition))
         if before.condition.load_area > 0.0:
+            held = after is not system
             after = after.at(load_area=before.condition.load_area)
-        return self.last if before.arrays.size == after.arrays.size else None
+            loaded = None if held else after
+        return (self.last, loaded) if before.arrays.size == after.arrays.size else (None, None)
 
 
 def _provenance(case: Case, interfaces: Mapping[str, str], over_time: bool) -> dict[str, str]:
