@@ -5,6 +5,8 @@ Growth is counted between two commits, file by file; what no capability names is
 
 from __future__ import annotations
 
+import ast
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -98,11 +100,25 @@ def growth(before: Counter[str], now: Counter[str]) -> Counter[str]:
     return added
 
 
+def helpers() -> tuple[int, int]:
+    """Private functions whose name stands once beside its definition, and all functions."""
+    once = total = 0
+    for path in Path(ROOT).rglob("*.py"):
+        text = path.read_text("utf-8")
+        words = Counter(re.findall(r"\b_\w+\b", text))
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef):
+                total += 1
+                once += not node.name.startswith("__") and words[node.name] == 2
+    return once, total
+
+
 def page() -> str:
     """Page of the manual."""
     before, now = lines_at(SINCE), lines_at("")
     added = growth(before, now)
     rows = [f"| {name} | {count:+d} |" for name, count in added.most_common()]
+    once, functions = helpers()
     house = added[HOUSE] + added["internal gears with crescent"]
     return "\n".join([
         "# Size of the source",
@@ -118,6 +134,8 @@ def page() -> str:
         "",
         f"The packages set anew come to {house:+d} lines, a third machine included; the rest is",
         "what the program can do since. The whole source is larger than it was.",
+        "",
+        f"Private functions used once: {once} of {functions}, {100.0 * once / functions:.1f} %.",
         "",
     ])  # fmt: skip
 

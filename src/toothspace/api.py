@@ -35,9 +35,8 @@ from toothspace.results.solution import Solution
 from toothspace.run.condition import (
     condition_of,
     fluid_findings,
+    fluid_limits,
     fluid_of,
-    known_pressure,
-    known_temperatures,
 )
 from toothspace.run.run import Run
 
@@ -135,7 +134,7 @@ def simulate(case: AnyCase, progress: Progress | None = None, **overrides: Any) 
         raise CaseError("study", f"{given.study_kind!r}", allowed).in_file(given.label)
     started, compiled = time.perf_counter(), compile_seconds()
     run, simulated = prepare(given), import_module(given.run.preset.module).simulate
-    known = known_pressure(given), known_temperatures(given)
+    known = fluid_limits(given)
     solution = with_warnings(simulated(run, progress), *known)
     solution = solution.with_note(*fluid_findings(given, run.fluid))
     if run.machine.as_drawn:

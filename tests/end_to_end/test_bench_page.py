@@ -234,6 +234,59 @@ def test_a_study_is_stopped_goes_on_and_is_downloaded(page: Any) -> None:
 
 
 @pytest.mark.slow
+def test_a_click_in_the_map_opens_that_point(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    study = {
+        "kind": "efficiency_map",
+        "shaft_speed": ["1000 rpm", "2000 rpm"],
+        "pressure_difference": ["50 bar", "150 bar"],
+    }
+    values = {"run.fidelity": "ideal", "heat": None, "study": study}
+    ordered = page.evaluate(
+        "async values => (await (await fetch('/api/runs', {method: 'POST', body: JSON.stringify("
+        "{design: bench.design.id, kind: 'study', values})})).json()).id",
+        values,
+    )
+    page.click("#tabs >> text=Runs")
+    page.wait_for_selector("#runs .run >> nth=0 >> a:has-text('.csv')")
+    page.click("#tabs >> text=Views")
+    page.wait_for_selector(f"#views-of option[value='{ordered}']", state="attached")
+    page.select_option("#views-of", ordered)
+    page.wait_for_selector(".view[data-view=map] canvas")
+    canvas = page.locator(".view[data-view=map] canvas")
+    canvas.scroll_into_view_if_needed()
+    box, former = canvas.bounding_box(), page.evaluate("bench.design.id")
+    page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.25 * box["height"])
+    assert "2000" in page.locator(".view[data-view=map] output").inner_text()
+    page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + 0.25 * box["height"])
+    until(page, f"bench.design && bench.design.id !== '{former}'")
+    point = page.evaluate("bench.design.tables.operating_point")
+    assert point["shaft_speed"].startswith("2000")
+    assert 150.0 <= float(point["outlet_pressure"].split()[0]) < 152.0
+    assert "study" not in page.evaluate("bench.design.tables")
+
+
+@pytest.mark.slow
+def test_bodies_of_a_drawing_are_chosen_by_click(page: Any, tmp_path: Path) -> None:
+    pytest.importorskip("OCP", reason="STEP files need the extra cad")
+    from examples import pump_from_cad
+
+    path = tmp_path / "pump.step"
+    pump_from_cad.write_assembly(path, pump_from_cad.Pump())
+    page.click(".card:has-text('Check my CAD')")
+    page.set_input_files("#cad input[type=file]", str(path))
+    page.wait_for_selector("#cad >> text=First case")
+    assert page.locator("#cad .body").count() == 4
+    assert "[machine.driven_gear]" in page.input_value("#cad textarea")
+    page.locator("#cad .body[aria-label^='driven gear']").click()
+    page.wait_for_selector("#cad .body.out")
+    until(page, "!document.querySelector('#cad textarea').value.includes('[machine.driven_gear]')")
+    assert "normal backlash" in page.inner_text("#cad .beside")
+    page.uncheck("#cad label:has-text('housing') input")
+    until(page, "document.querySelectorAll('#cad .body.out').length === 2")
+
+
+@pytest.mark.slow
 def test_dropped_step_files_become_a_running_machine(
     page: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,7 +16,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.machines.gerotor.flow_paths import gap_by_motion, slip_speed
 from toothspace.machines.gerotor.parameters import PortContourParameters, RotorParameters
 from toothspace.machines.gerotor.pockets import Pockets, area_by_motion, lobe_path, pockets
-from toothspace.machines.gerotor.ports import kinematic_lands, openings, pocket_polygon, ports_of
+from toothspace.machines.gerotor.ports import PocketPolygons, kinematic_lands, openings, ports_of
 from toothspace.machines.gerotor.profiles import Rotors, rotors_from, trochoid_of
 from toothspace.machines.gerotor.summary import flow_ripple
 
@@ -116,7 +116,7 @@ def test_areas_equal_those_of_polygons(design):
     """Contact-radii integral against the polygon between two throats, every fifth of a pitch."""
     pocket = _pockets(replace(design, tip_clearance=0.0))
     for node in range(0, pocket.place.size, 20):
-        polygon = shapely.Polygon(pocket_polygon(pocket, node))
+        polygon = shapely.Polygon(PocketPolygons(pocket)(node))
         assert pocket.area[node] == pytest.approx(polygon.area, abs=1e-9)
 
 
@@ -373,7 +373,7 @@ def test_layers_of_clearance_pass_the_throats_as_walls_drag(design):
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (into[1:] + into[:-1]))])
     brought = summed * pocket.place[1] / pocket.angle_ratio
     nodes = np.arange(0, pocket.place.size, 14)
-    walls = np.array([shapely.Polygon(pocket_polygon(pocket, n)).area for n in nodes])
+    walls = np.array([shapely.Polygon(PocketPolygons(pocket)(n)).area for n in nodes])
     layers = walls - pocket.area[nodes]
     found, expected = layers - layers[25], (brought - brought[350])[nodes]
     assert np.ptp(expected) > 0.2e-6

@@ -163,7 +163,7 @@ def test_nodes_and_parts_that_are_named_exist(name: str) -> None:
 
 def faces_of(machine: MachineDescription) -> list[FilmFace]:
     """Faces of all presets."""
-    found = [film.face for film in machine.laterals if film.face is not None]
+    found = machine.known_faces.values()
     shared, balance = machine.shared_faces, machine.lateral_balance
     return [
         *found,

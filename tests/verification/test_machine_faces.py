@@ -41,10 +41,10 @@ def test_rigid_parallel_face_leaks_by_its_conductances() -> None:
     )
     pressure = np.append(quasi_static_pressures(description, condition, 0.0), [1e5, 200e5, 1e5])
     flow = 0.0
-    for film in description.laterals:
-        assert film.face is not None
-        nodes = [*film.face.chambers.nodes, *film.face.recesses, film.face.inner_node]
-        matrix = face_conductance(film.face, FaceResolution(30, 24, 1)).matrix[0]
+    assert len(description.known_faces) == len(description.laterals)
+    for face in description.known_faces.values():
+        nodes = [*face.chambers.nodes, *face.recesses, face.inner_node]
+        matrix = face_conductance(face, FaceResolution(30, 24, 1)).matrix[0]
         flow -= (8e-6) ** 3 / (12.0 * 0.03) * float(matrix[-1] @ pressure[nodes])
     assert numbers["drain_flow_L_per_min"] == pytest.approx(flow * 6e4, rel=0.05)
     assert numbers["mass_balance_error"] < 1e-8

@@ -68,9 +68,28 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     summary = solution.summary()
     power = float(summary["cavitation_index_W"])
     share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
+    data = solution.data
+    high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
+    peak = float(extremes(data, "chamber_pressure")[1].max())
+    # oil in the drain, an upper bound without a heat network, and with one in the films
+    oil, temperatures = "oil and seals of makers' data sheets", list[JudgedLimit]()
+    drain = float(summary["drain_temperature_degC"])
+    if solution.status in WHOLE and np.isfinite(drain):
+        bound = "" if "temperature" in data else "; an upper bound, no heat to the housing"
+        temperatures.append(
+            _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", oil + bound, _COOLER)
+        )
+    film = summary.get("highest_film_temperature_degC")
+    if solution.status in WHOLE and film:
+        oil += ", for the oil at the ports; films may be warmer"
+        one = _judged("Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", oil, _COOLER)
+        temperatures.append(one if one.verdict == "met" else one._replace(verdict="not judged"))
+    source = "a working pressure and a half, usual peak in pressure limits of makers"
     found = [
-        *_pressures(solution),
-        *(_temperature(solution) if solution.status in WHOLE else ()),
+        _judged(
+            "Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source, _ENCLOSED
+        ),
+        *temperatures,
         JudgedLimit(
             CAVITATION,
             f"{power:.4g} W, {100.0 * share:.2g} % of the hydraulic power",
@@ -94,31 +113,6 @@ def _judged(
     verdict = "met" if value <= limit else "exceeded"
     found, allowed = f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}"
     return JudgedLimit(label, found, allowed, verdict, source, advice)
-
-
-def _pressures(solution: Solution) -> Iterator[JudgedLimit]:
-    data = solution.data
-    high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
-    peak = float(extremes(data, "chamber_pressure")[1].max())
-    source = "a working pressure and a half, usual peak in pressure limits of makers"
-    yield _judged(
-        "Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source, _ENCLOSED
-    )
-
-
-def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
-    """Oil in the drain, an upper bound without a heat network, and with one in the films."""
-    summary, source = solution.summary(), "oil and seals of makers' data sheets"
-    drain = float(summary["drain_temperature_degC"])
-    if np.isfinite(drain):
-        bound = "" if "temperature" in solution.data else "; an upper bound, no heat to the housing"
-        yield _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", source + bound, _COOLER)
-    if film := summary.get("highest_film_temperature_degC"):
-        source += ", for the oil at the ports; films may be warmer"
-        entry = _judged(
-            "Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source, _COOLER
-        )
-        yield entry if entry.verdict == "met" else entry._replace(verdict="not judged")
 
 
 def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:

@@ -59,7 +59,7 @@ class Answers:
             return self.full(case, progress)
         run = prepare(case)
         run = self._worn(run, progress).with_films(progress)
-        marches = run.repeated(progress, self._last)
+        marches = run.repeated(progress, self._last, by_pitch=True)
         machine = _as_warm(run.machine, self._warm)
         found = marches(machine)
         if found.status is not Status.DONE and self._last is not None:
@@ -181,7 +181,8 @@ def _turn(solution: Solution, description: MachineDescription) -> dict[str, Any]
             chamber = f"{family.name}_0"
             if chamber in data["chamber"] and np.any(family.volume.slopes):
                 trace = np.asarray(data["chamber_pressure"].sel(chamber=chamber))
-                label = f"Pressure, {family.name.replace('_', ' ')} space"
+                name = family.name.removesuffix("_space").replace("_", " ")
+                label = f"Pressure, {name} space" if name != "pocket" else "Pressure, pocket"
                 curves[f"pressure_{family.name}"] = _curve(label, "bar", trace[own] / _BAR)
         gas = data.get("chamber_gas_fraction")
         if gas is not None:

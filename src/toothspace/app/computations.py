@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.app.answers import Answers, shown, told, turning_answer
-from toothspace.app.drawing import DRAG_NODES, look
+from toothspace.app.drawing import DRAG_NODES, drawn_bodies, look
 from toothspace.app.workspace import Workspace
 from toothspace.case import Case, load_case
 from toothspace.case.case import case_schema
@@ -21,7 +21,7 @@ from toothspace.core.status import Status
 
 VIEWS = "views.json"
 """File of a run with its views."""
-_KEPT_DESIGNS = 4
+_KEPT_DESIGNS = 2
 
 
 @final
@@ -193,18 +193,28 @@ class Computations:
         write_animation(solution, Path(folder) / "turning.gif", progress=self._told)
         return shown(solution)
 
-    def found_in(self, names: Sequence[str], unit: str) -> dict[str, Any]:
-        """What CAD files of the folder hold, and a first case of it as TOML."""
+    def found_in(
+        self, names: Sequence[str], unit: str, left_out: Sequence[tuple[str, int]] = ()
+    ) -> dict[str, Any]:
+        """What CAD files of the folder hold, its bodies drawn, and a first case of it as TOML.
+
+        Bodies that are left out, by file and number, are drawn but do not count.
+        """
         from toothspace.api import draft_case
         from toothspace.core.units import to_si
         from toothspace.geometry.body_section import SectionRequest
         from toothspace.geometry.gear_data import file_report, flank_warnings
         from toothspace.geometry.gear_finder import find_in_files
 
-        files, request = [self._folder / name for name in names], SectionRequest(None, None)
+        files, scale = [self._folder / name for name in names], to_si(1.0, unit)
+        request = SectionRequest(left_out=tuple((file, body) for file, body in left_out))
         found: dict[str, Any] = {"report": {}, "warnings": [], "toml": "", "problem": ""}
+        found["bodies"] = []
         try:
-            contents = find_in_files(files, to_si(1.0, unit), request)
+            contents = find_in_files(files, scale)
+            found["bodies"] = drawn_bodies(contents, files, scale)
+            if left_out:
+                contents = find_in_files(files, scale, request)
             found["report"] = plain(file_report(contents, None))
             found["warnings"] = [str(warning) for warning in flank_warnings(contents)]
         except CaseError as error:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +27,9 @@ from toothspace.plotting.section import (
 
 DRAG_NODES = 180
 """Table nodes on a turn while a handle moves; displacement and contact are closed forms."""
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FileContents
+
 _MM = 1e3
 _DRAWN_ERROR = 8e-6
 _TURNING_ERROR = 25e-6
@@ -133,6 +137,68 @@ def volume(description: MachineDescription) -> dict[str, Any]:
         "angle": rounded(np.degrees(angle)),
         "values": rounded(family.volume(angle)[:, 0] * 1e9),
     }
+
+
+def drawn_bodies(
+    contents: FileContents, files: Iterable[Path], unit: float
+) -> list[dict[str, Any]]:
+    """Section of every body in solid files, across the axis of the largest gear. [mm].
+
+    Parameters
+    ----------
+    contents : FileContents
+        What was found in the files.
+    files : iterable of Path
+        The files.
+    unit : float
+        Length of one unit of files that have none of their own. [m]
+    """
+    from toothspace.core.errors import GeometryError
+    from toothspace.geometry.body_section import SectionRequest
+    from toothspace.geometry.cad_import import is_solid, load_body_sections
+
+    teeth = {
+        (gear.file, gear.body): (kind, gear)
+        for kind, gears in (("gear", contents.gears), ("ring gear", contents.rings))
+        for gear in gears
+    }
+    solid = [gear for _, gear in teeth.values() if gear.body is not None]
+    if not solid:
+        return []
+    x, y, z = (float(v) for v in solid[0].axis)
+    found: list[dict[str, Any]] = []
+    for file in filter(is_solid, files):
+        for request in (SectionRequest((x, y, z), float(solid[0].axis @ solid[0].center)),
+                        SectionRequest((x, y, z))):  # fmt: skip
+            try:
+                cuts = load_body_sections(file, unit, request)
+            except GeometryError:
+                continue
+            known = {one["body"] for one in found if one["file"] == file.name}
+            for cut in cuts:
+                if cut.body in known:
+                    continue
+                kind, gear = teeth.get((file, cut.body), ("body", None))
+                count = None if gear is None else gear.detected.profile.tooth_count
+                outlines = [_points(_thinned(curve)) for curve in cut.curves]
+                found.append(
+                    {
+                        "file": file.name,
+                        "body": cut.body,
+                        "name": cut.name,
+                        "kind": kind,
+                        "teeth": count,
+                        "outlines": outlines,
+                    }
+                )
+    return found
+
+
+def _thinned(curve: Array) -> Array:
+    """Fewer points of a closed curve, as many as a screen shows. [m]."""
+    import shapely
+
+    return np.asarray(shapely.LinearRing(curve).simplify(_TURNING_ERROR).coords)
 
 
 def rounded(values: Any, digits: int = 6) -> list[float | None]:

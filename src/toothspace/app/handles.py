@@ -113,6 +113,16 @@ def _places(case: Case, description: MachineDescription) -> Iterator[tuple[str, 
     if bearings is not None:
         point = (first.center[0], first.center[1] - 0.5 * bearings.diameter)
         yield "machine.journal_bearings.diameter", _line(point, (0.0, -0.5 * 1e-3))
+    if hasattr(machine, "rotors"):
+        yield "machine.rotors.eccentricity", _line(first.center, (0.0, -1e-3))
+    housing = getattr(machine, "housing", None)
+    if housing is not None and hasattr(housing, "outer_rotor_diameter"):
+        point = (0.5 * housing.outer_rotor_diameter, 0.0)
+        yield "machine.housing.outer_rotor_diameter", _line(point, (0.5e-3, 0.0))
+    if hasattr(machine, "pinion"):
+        tip = float(np.hypot(*outlines[first.name].T).max())
+        point = (first.center[0] - tip, first.center[1])
+        yield "machine.pinion.tip_diameter", _line(point, (-0.5e-3, 0.0))
     if len(description.bodies) > 1 and hasattr(machine, "gears"):
         second = description.bodies[1]
         yield "machine.gears.center_distance", _line(second.center, (0.0, 1e-3))

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 HOST = "127.0.0.1"
 _LOOK_TIME = 60.0
 """In which a machine is drawn, or its case is read. [s]"""
+_READ_TIME = 200.0
+"""In which drawings are read, each of them in 180 s. [s]"""
 _MOST_CONNECTIONS = 64
 _COSTS = {
     "ideal": "at once",
@@ -332,7 +334,16 @@ class Bench:
         unit = str(given.get("unit", "mm"))
         if unit not in {"mm", "m", "um", "in"}:
             raise CaseError("unit", repr(unit[:20]), "mm, m, um or in")
-        return self._look("found_in", known, unit)
+        left_out = given.get("left_out", [])
+        if not isinstance(left_out, list) or not all(
+            isinstance(one, list)
+            and len(one) == 2
+            and isinstance(one[0], str)
+            and isinstance(one[1], int)
+            for one in left_out
+        ):
+            raise CaseError("left_out", repr(left_out)[:200], "pairs of a file and a body's number")
+        return self._looking.call("found_in", known, unit, left_out, longest=_READ_TIME)
 
     def _look(self, name: str, *arguments: Any) -> Any:
         return self._looking.call(name, *arguments, longest=_LOOK_TIME)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import reprlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, final
@@ -29,7 +29,7 @@ from toothspace.case.document import (
     split_override,
     with_values,
 )
-from toothspace.case.fingerprint import cached_by_hash
+from toothspace.case.fingerprint import cached_by_hash, has_files
 from toothspace.case.shipped import shipped_case
 from toothspace.core.errors import CaseError, Problem
 from toothspace.core.files import named_beside, path_of
@@ -307,11 +307,12 @@ class Case(CaseTables):
             raise self._read_from.refuse(error) from error
         except OSError as error:
             raise self._unreadable(error) from error
-        # files that change from now on change neither the machine nor the hash
         if was_hashed and self._hashed() != self.hash:
             found = "files that have changed since the case was hashed"
             raise CaseError("machine", found, "a case read anew").in_file(self.label)
-        _ = self.hash
+        # files that change from now on change neither the machine nor the hash
+        if has_files([getattr(self, key.name) for key in fields(self) if key.compare]):
+            _ = self.hash
         return spec
 
     def _unreadable(self, error: OSError) -> CaseError:

@@ -43,6 +43,17 @@ def cached_by_hash(
     return kept[key]
 
 
+def has_files(value: Any) -> bool:
+    """Whether a path stands anywhere in dataclasses, mappings and sequences."""
+    if is_dataclass(value):
+        return any(has_files(getattr(value, entry.name)) for entry in fields(value))
+    if isinstance(value, Mapping):
+        return any(map(has_files, value.values()))
+    return isinstance(value, Path) or (
+        isinstance(value, tuple | list) and any(map(has_files, value))
+    )
+
+
 def _parts(value: Any) -> Iterator[bytes]:
     if is_dataclass(value) and not isinstance(value, type):
         yield type(value).__qualname__.encode()

@@ -153,7 +153,16 @@ def _joints(circuit: Circuit) -> list[list[Place]]:
     seen: dict[str, int] = {}
     group: dict[Place, list[Place]] = {}
     for pair in circuit.connections:
-        first, second = (_end(circuit, name, seen) for name in pair)
+        ends: list[Place] = []
+        for name in pair:
+            part = circuit.parts.get(name)
+            if part is None or part.ends == 1:
+                ends.append((name, 0))
+                continue
+            # an element that is mentioned first means its upstream end
+            seen[name] = seen.get(name, 0) + 1
+            ends.append((name, min(seen[name], 2) - 1))
+        first, second = ends
         joined = list(dict.fromkeys([*group.get(first, [first]), *group.get(second, [second])]))
         group |= dict.fromkeys(joined, joined)
     for name, part in circuit.parts.items():
@@ -167,15 +176,6 @@ def _joints(circuit: Circuit) -> list[list[Place]]:
         if (port, 0) not in group:
             raise CaseError("circuit.connections", f"no {port}", "circuits that join it")
     return list({id(joined): joined for joined in group.values()}.values())
-
-
-def _end(circuit: Circuit, name: str, seen: dict[str, int]) -> Place:
-    """End that a mention of an element means: the first of a valve is its upstream end."""
-    part = circuit.parts.get(name)
-    if part is None or part.ends == 1:
-        return name, 0
-    seen[name] = seen.get(name, 0) + 1
-    return name, min(seen[name], 2) - 1
 
 
 def _nodes_of(
@@ -195,7 +195,13 @@ def _nodes_of(
     if len(ports) > 1 and not tanks:
         found = [name for name, _ in ports]
         raise CaseError("circuit.connections", f"{found} joined", "one port per node")
-    name = own[ports[0]] if len(ports) == 1 else _name_of(here)
+    if len(ports) == 1:
+        name = own[ports[0]]
+    else:
+        # of a part that holds fluid, else of an end; it must not become a node of the machine
+        holding = [name for (name, _), part in here.items() if part.ends == 1]
+        name = min(holding, default=min(f"{name}_{end}" for name, end in here))
+        name = f"{name}:part" if name in PORT_NODES else name
     if tanks:
         pressure = tanks[0].pressure
         return {place: CircuitNode(own.get(place, name), pressure) for place in joined}
@@ -209,13 +215,3 @@ def _nodes_of(
             "a hose, volume, accumulator, tank or machine port at every joint",
         )
     return dict.fromkeys(joined, node)
-
-
-def _name_of(here: Mapping[Place, FluidPart]) -> str:
-    """Name of a part that holds fluid, else of an end.
-
-    A part that is called like a node of the machine must not become that node.
-    """
-    holding = [name for (name, _), part in here.items() if part.ends == 1]
-    name = min(holding, default=min(f"{name}_{end}" for name, end in here))
-    return f"{name}:part" if name in PORT_NODES else name

@@ -130,23 +130,20 @@ class ElectricMotor(KeyTable):
         """
         torque, speed = np.asarray(torque, dtype=float), np.asarray(speed, dtype=float)
         if self._table is not None:
-            motor, inverter = self._tabulated(torque, speed), np.zeros_like(torque * speed)
+            from scipy.interpolate import RegularGridInterpolator
+
+            speeds, torques, losses = self._table
+            places = np.broadcast_arrays(
+                np.clip(np.abs(speed), speeds[0], speeds[-1]),
+                np.clip(np.abs(torque), torques[0], torques[-1]),
+            )
+            table = RegularGridInterpolator((speeds, torques), losses)
+            motor, inverter = np.asarray(table(np.stack(places, -1))), np.zeros_like(torque * speed)
         else:
             load = torque / self.peak_torque
             motor = self.copper_loss * load**2 + self.iron_loss * (speed / self.corner_speed) ** 2
             inverter = self.standby_loss + self.inverter_loss * np.abs(load) + 0.0 * speed
         return ElectricPower(torque * speed + motor + inverter, motor, inverter)
-
-    def _tabulated(self, torque: Array, speed: Array) -> Array:
-        from scipy.interpolate import RegularGridInterpolator
-
-        assert self._table is not None
-        speeds, torques, losses = self._table
-        places = np.broadcast_arrays(
-            np.clip(np.abs(speed), speeds[0], speeds[-1]),
-            np.clip(np.abs(torque), torques[0], torques[-1]),
-        )
-        return np.asarray(RegularGridInterpolator((speeds, torques), losses)(np.stack(places, -1)))
 
 
 @final

@@ -7,6 +7,7 @@ gives is reached along a straight line by the opening, speed, torque or flow tha
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -182,23 +183,16 @@ class Instance:
                 reals = [v.name for v in self._variables.values() if v.type in ("Real", "Float64")]
                 known = [n for n in reals if self._variables[n].causality == key[:-1]]
                 raise CaseError(path, repr(name), f"one of {', '.join(known) or 'none'}")
-            declared = getattr(variable, "unit", None) or ""
-            found.append((variable.valueReference, _scale(path, name, declared, unit)))
+            declared, factor = getattr(variable, "unit", None) or "", 1.0
+            text = declared.replace(".", " ")
+            if unit and unit != "1" and text and text != "1":
+                with suppress(CaseError):  # a unit that nobody knows counts as none
+                    fits = compatible(text, unit)
+                    factor = to_si(1.0, text) - to_si(0.0, text) if fits else 0.0
+            if factor == 0.0:
+                raise CaseError(path, f"{name!r} in {declared}", f"a variable in {unit}")
+            found.append((variable.valueReference, factor))
         return found
-
-
-def _scale(path: str, name: str, declared: str, wanted: str) -> float:
-    """SI units in one of the unit that a variable declares; one where it declares none."""
-    text = declared.replace(".", " ")
-    if not wanted or wanted == "1" or not text or text == "1":
-        return 1.0
-    try:
-        fits = compatible(text, wanted)
-    except CaseError:
-        return 1.0
-    if not fits:
-        raise CaseError(path, f"{name!r} in {declared}", f"a variable in {wanted}")
-    return to_si(1.0, text) - to_si(0.0, text)
 
 
 def _short(error: Exception) -> str:

@@ -223,7 +223,13 @@ class PumpMap(SpeedHistory, FluidPart):
         )
         rows = NO_HISTORY
         if self.table is not None:
-            law, rows = MappedPump(self.displacement, slip), _map_rows(self.table)
+            # as map_efficiency reads it
+            units = {"speed": "rpm", "pressure_difference": "bar", "volumetric_efficiency": "1"}
+            speeds, rises, efficiency = read_grid(self.table, units)
+            column = np.concatenate([speeds, rises, efficiency.ravel()])
+            rows = np.column_stack([column, np.zeros_like(column)])
+            rows = np.vstack([[speeds.size, rises.size], rows])
+            law = MappedPump(self.displacement, slip)
         pump = CircuitElement(law, *ends, self.speed_over_time, rows, supplies=True, turns=True)
         return CircuitNetwork(elements=(pump,))
 
@@ -254,12 +260,3 @@ class FlowSource(FluidPart):
             SupplyPump(1.0, 0.0, 1.0, 0.0), *ends, history(self, "flow", "L/min"), supplies=True
         )
         return CircuitNetwork(elements=(source,))
-
-
-def _map_rows(path: Path) -> Array:
-    """Map of a file as :func:`map_efficiency` reads it. Shape (rows, 2)."""
-    units = {"speed": "rpm", "pressure_difference": "bar", "volumetric_efficiency": "1"}
-    speeds, rises, efficiency = read_grid(path, units)
-    column = np.concatenate([speeds, rises, efficiency.ravel()])
-    rows = np.column_stack([column, np.zeros_like(column)])
-    return np.vstack([[speeds.size, rises.size], rows])

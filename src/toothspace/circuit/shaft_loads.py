@@ -114,21 +114,16 @@ def shaft_of(parts: Iterable[Any]) -> FreeShaft | None:
             "a coupling without inertia beyond it",
             "one with a fan or an inertia above 0 kg m^2",
         )
+    # a drive starts where its controller leads it
+    load = NO_HISTORY if drive is None else np.zeros((1, 2))
     return FreeShaft(
         inertia=inertia,
         linear=sum(fan.linear for fan in fans),
         square=sum(fan.quadratic for fan in fans),
         cubic=sum(fan.cubic for fan in fans),
-        load_history=_torque_of(source, drive),
+        load_history=load if source is None else history(source, "torque", "N m"),
         coupling=coupling,
     )
-
-
-def _torque_of(source: TorqueSource | None, drive: ElectricDrive | None) -> Array:
-    """Torque over time, of a drive the start from which its controller leads it."""
-    if drive is not None:
-        return np.zeros((1, 2))
-    return NO_HISTORY if source is None else history(source, "torque", "N m")
 
 
 def speed_of(parts: Iterable[Any]) -> Array | None:

@@ -59,6 +59,7 @@ def geometry(
 
     with named(case_file):
         description = api.describe(case)
+        _ = description.lateral_balance  # an impossible floating bearing is refused here, too
         if tables is not None:
             save_tables(description, tables)
         if text_folder is not None:

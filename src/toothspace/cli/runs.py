@@ -108,10 +108,12 @@ def run(
 def _load_ahead() -> None:
     """Load what keeps results; compiled code leaves the interpreter free for it."""
     with suppress(Exception):  # who needs a library says what it lacks
-        for library in ("toothspace.core.netcdf", "h5netcdf"):
-            import_module(library)
+        import_module("h5netcdf")
         import xarray as xr
 
+        from toothspace.core.netcdf import spare_array_packages
+
+        spare_array_packages()
         # xarray loads the array types that it knows when it first meets an array
         xr.Variable("x", [0.0]).to_numpy()
 

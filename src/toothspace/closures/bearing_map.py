@@ -114,11 +114,10 @@ def _direction_force(ecc: float, direction: float, slenderness: float, count: in
 
 
 @njit
-def _sampled(slenderness: float, step: float, counts: tuple[int, int, int]) -> Any:
+def _sample(slenderness: float, step: float, points: int, samples: Array) -> None:
     """Scaled force and direction slope on the grid, with two extra rows at both ends."""
-    rows, columns, points = counts
-    samples = np.empty((rows + 4, columns, 2, 2))
-    for i in range(rows + 4):
+    rows, columns = samples.shape[:2]
+    for i in range(rows):
         rest = np.exp(-(i - 2) * step)
         scale = rest * np.sqrt(rest)
         for j in range(columns // 2 + 1):
@@ -134,7 +133,6 @@ def _sampled(slenderness: float, step: float, counts: tuple[int, int, int]) -> A
                 samples[i, column, 1, 0] = side * scale * force[1]
                 samples[i, column, 0, 1] = side * scale * force[2] * chain
                 samples[i, column, 1, 1] = scale * force[3] * chain
-    return samples
 
 
 def build_journal_map(
@@ -186,7 +184,8 @@ def build_journal_map(
        instationaerer Belastung*, dissertation, Karlsruhe, 1976.
     """
     step = 7.0 / (rows - 1)
-    samples = _sampled(length_over_diameter, step, (rows, columns, points))
+    samples = np.empty((rows + 4, columns, 2, 2))
+    _sample(length_over_diameter, step, points, samples)
     nodes = np.empty((rows, columns, 2, 4))
     nodes[..., 0:4:2] = samples[2:-2]
     growth = samples[:-4] - 8.0 * samples[1:-3] + 8.0 * samples[3:-1] - samples[4:]

@@ -184,19 +184,6 @@ def mixture_density(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
 
 
 @inlined
-def _auxiliary_root(specific_volume: Any, f: Any, law: FluidLaw) -> Any:
-    """Positive root of the quadratic of the auxiliary pressure, without cancellation."""
-    v, v0, b = specific_volume, 1.0 / law.reference_density, law.stiffening
-    g, fC = law.compliance + b, f * law.gas_specific_energy
-    # Below the smallest volume of the liquid law the root is infinite: keep it finite.
-    quadratic = np.maximum(v * g - (1.0 - f) * v0 * b, 1e-6 * v0 * g)
-    linear = (1.0 - f) * v0 + fC * g - v
-    root = np.sqrt(linear * linear + 4.0 * quadratic * fC)
-    above = select(linear > 0.0, linear + root, 2.0 * fC)
-    return above / select(linear > 0.0, 2.0 * quadratic, root - linear)
-
-
-@inlined
 def mixture_pressure(specific_volume: Any, gas_fraction: Any, law: FluidLaw) -> Any:
     r"""Pressure of liquid with free gas and vapour, with its derivatives.
 
@@ -235,9 +222,16 @@ def mixture_pressure(specific_volume: Any, gas_fraction: Any, law: FluidLaw) -> 
        problems", SIAM J. Matrix Anal. Appl. 17, 1996, 851-868 (smooth maximum).
     """
     f = free_gas_fraction(gas_fraction, law)
-    p0 = _auxiliary_root(specific_volume, f, law)
-    v0, b = 1.0 / law.reference_density, law.stiffening
-    squeezed = 1.0 / (1.0 + (law.compliance + b) * p0)
+    v, v0, b = specific_volume, 1.0 / law.reference_density, law.stiffening
+    g, fC = law.compliance + b, f * law.gas_specific_energy
+    # below the smallest volume of the liquid law the root is infinite: keep it finite
+    quadratic = np.maximum(v * g - (1.0 - f) * v0 * b, 1e-6 * v0 * g)
+    linear = (1.0 - f) * v0 + fC * g - v
+    root = np.sqrt(linear * linear + 4.0 * quadratic * fC)
+    # the positive root, without cancellation
+    above = select(linear > 0.0, linear + root, 2.0 * fC)
+    p0 = above / select(linear > 0.0, 2.0 * quadratic, root - linear)
+    squeezed = 1.0 / (1.0 + g * p0)
     liquid = v0 * (1.0 + b * p0) * squeezed
     rarefied = 1.0 / p0
     gas = law.gas_specific_energy * rarefied

@@ -372,7 +372,7 @@ class FrictionCurves:
         ndarray
             Logarithm of the load in N and the terms of its curve. [-]
         """
-        terms = [curve.terms for curve in self.curves]
+        terms = [astuple(curve) for curve in self.curves]
         return np.column_stack([np.log(self.loads), np.array(terms)])
 
     def __call__(self, sommerfeld_number: float, load: float) -> float:

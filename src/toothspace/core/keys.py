@@ -217,18 +217,15 @@ class QuantityKey(Bounded, Key):
         if source.in_si and _is_number(given):
             value, found = float(given), format_si(float(given), self.unit)
         else:
-            value, found = self._parsed(given), shown(given)
+            if not isinstance(given, str):
+                self.fail(f"{shown(given)}{' without a unit' if _is_number(given) else ''}")
+            try:
+                value, found = parse_quantity(given, self.unit, self.allowed()), shown(given)
+            except CaseError as error:
+                self.fail(error.problems[0].found)
         if not self.inside(value, lambda bound: to_si(bound, self.unit)):
             self.fail(found)
         return value
-
-    def _parsed(self, given: Any) -> float:
-        if not isinstance(given, str):
-            self.fail(f"{shown(given)}{' without a unit' if _is_number(given) else ''}")
-        try:
-            return parse_quantity(given, self.unit, self.allowed())
-        except CaseError as error:
-            self.fail(error.problems[0].found)
 
     def written(self, value: float, file_text: FileText) -> str:
         return exact_text(value, self.unit)
@@ -372,7 +369,16 @@ class FilePath(Key):
             self.fail(f"{name}, whose links lead back to themselves")
         if file.suffix.lower() not in self.suffixes:
             self.fail(f"{name} with the ending {shown(file.suffix)}")
-        wrong = _fault_of(file)
+        wrong = ""
+        try:
+            if file.is_dir():
+                wrong = "is a directory"
+            elif not file.is_file():
+                wrong = "is a device or pipe" if file.exists() else "does not exist"
+            elif not file.stat().st_size:
+                wrong = "is empty"
+        except OSError as error:
+            wrong = f"cannot be read ({error.strerror})"
         if wrong:
             self.fail(f"{name}, which {wrong}")
         return file
@@ -393,18 +399,6 @@ class FilePath(Key):
             return file
         pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
         return {"anyOf": [file, {"type": "array", "items": pair, "minItems": 3}]}
-
-
-def _fault_of(file: Path) -> str:
-    """What is wrong with a file to be read; empty if nothing is."""
-    try:
-        if file.is_dir():
-            return "is a directory"
-        if not file.is_file():
-            return "is a device or pipe" if file.exists() else "does not exist"
-        return "" if file.stat().st_size else "is empty"
-    except OSError as error:
-        return f"cannot be read ({error.strerror})"
 
 
 def _sequence(raw: Any) -> list[Any] | None:
@@ -560,7 +554,16 @@ class Table(Key):
         if not isinstance(raw, Mapping):
             self.fail(shown(raw))
         declared = keys_of(self.spec)
-        named, rest = _without_named(declared, raw)
+        # sub-tables with free names, by the field that holds them, and the other keys
+        named: dict[str, Any] = {}
+        rest: Mapping[str, Any] = raw
+        for name, (key, _) in declared.items():
+            if isinstance(key, Named) and key.beside:
+                others = [item for item in raw.items() if item[0] not in declared]
+                free = {n: v for n, v in others if isinstance(v, Mapping) or key.item.holds(v)}
+                named = {name: free}
+                rest = {n: v for n, v in raw.items() if n not in free}
+                break
         problems = Problems()
         _keep_unknown(problems, rest, (n for n in declared if n not in named))
         values = {}
@@ -621,21 +624,6 @@ def _read_again(table: Any) -> dict[str, Any]:
             values[name] = problems.of(name, key.read, value, _PYTHON)
     problems.settle()
     return values
-
-
-def _without_named(
-    declared: Mapping[str, tuple[Key, Field[Any]]], raw: Mapping[str, Any]
-) -> tuple[dict[str, Any], Mapping[str, Any]]:
-    """Sub-tables with free names, by the field that holds them, and the other keys."""
-    for name, (key, _) in declared.items():
-        if isinstance(key, Named) and key.beside:
-            tables = {
-                n: v
-                for n, v in raw.items()
-                if n not in declared and (isinstance(v, Mapping) or key.item.holds(v))
-            }
-            return {name: tables}, {n: v for n, v in raw.items() if n not in tables}
-    return {}, raw
 
 
 @final

@@ -1,11 +1,12 @@
-"""Sequences and mappings that are computed on first use, and packages that a user may lack."""
+"""Things that are made on first use, and packages that a user may lack."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from typing import Any, TypeVar, final, overload
+from typing import Any, Generic, TypeVar, final, overload
 
 from toothspace.core.errors import GeometryError
 
@@ -13,21 +14,30 @@ _Item = TypeVar("_Item")
 
 
 @final
+@dataclass(frozen=True, eq=False)
+class Lazy(Generic[_Item]):
+    """One thing that is made once, when it is asked for first."""
+
+    make: Callable[[], _Item]
+    """Gives it; a function of a module with its arguments, so that it can be pickled."""
+
+    @cached_property
+    def value(self) -> _Item:
+        """The thing itself."""
+        return self.make()
+
+
+@final
+@dataclass(frozen=True, eq=False)
 class LazySequence(Sequence[_Item]):
-    """Items that are made once, when they are asked for first.
+    """Items that are made once, when they are asked for first."""
 
-    Parameters
-    ----------
-    make : callable
-        Gives the items; a function of a module with its arguments, so that it can be pickled.
-    """
-
-    def __init__(self, make: Callable[[], Sequence[_Item]]) -> None:
-        self._make = make
+    make: Callable[[], Sequence[_Item]]
+    """Gives the items; a function of a module with its arguments, so that it can be pickled."""
 
     @cached_property
     def _items(self) -> tuple[_Item, ...]:
-        return tuple(self._make())
+        return tuple(self.make())
 
     @overload
     def __getitem__(self, index: int) -> _Item: ...
@@ -41,23 +51,18 @@ class LazySequence(Sequence[_Item]):
 
 
 @final
-class LazyMapping(Mapping[str, object]):
-    """Values by name that are made once, when they are asked for first.
+@dataclass(frozen=True, eq=False)
+class LazyMapping(Mapping[str, _Item]):
+    """Values by name that are made once, when they are asked for first."""
 
-    Parameters
-    ----------
-    make : callable
-        Gives the mapping; a function of a module with its arguments, so that it can be pickled.
-    """
-
-    def __init__(self, make: Callable[[], Mapping[str, object]]) -> None:
-        self._make = make
+    make: Callable[[], Mapping[str, _Item]]
+    """Gives the mapping; a function of a module with its arguments, so that it can be pickled."""
 
     @cached_property
-    def _values(self) -> dict[str, object]:
-        return dict(self._make())
+    def _values(self) -> dict[str, _Item]:
+        return dict(self.make())
 
-    def __getitem__(self, name: str) -> object:
+    def __getitem__(self, name: str) -> _Item:
         return self._values[name]
 
     def __iter__(self) -> Iterator[str]:

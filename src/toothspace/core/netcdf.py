@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
+import sys
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 from threading import RLock
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any, final
 
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_bytes
@@ -55,6 +58,42 @@ _UDUNITS = {"deg": "degree", "cm3/rev": "cm3/revolution"}
 _WRITE_LOCK = RLock()
 
 
+@final
+@dataclass(eq=False)
+class _ArrayTypes:
+    """Array types of a package as xarray asks for them: none as long as it is not loaded."""
+
+    _package: str
+    _module: str
+
+    @cached_property
+    def _loaded(self) -> Any:
+        from xarray.namedarray.pycompat import DuckArrayModule
+
+        package: Any = self._package
+        return DuckArrayModule(package)
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "type" and self._module not in sys.modules:
+            return ()
+        return getattr(self._loaded, name)
+
+
+def spare_array_packages() -> None:
+    """Keep xarray from loading Dask and Pint, where they are installed, to ask for their types.
+
+    It does so when it meets its first array, which takes a second; no array can be one of theirs
+    before they are loaded. Another version of xarray that looks elsewhere loads them as before.
+    """
+    with suppress(ImportError, AttributeError):
+        from xarray.namedarray import pycompat
+
+        known: dict[Any, Any] = pycompat._cached_duck_array_modules
+        for package in ("dask", "pint", "cupy", "sparse"):
+            module = "dask.array" if package == "dask" else package
+            known.setdefault(package, _ArrayTypes(package, module))
+
+
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset to one NetCDF file that is complete or not there; returns its path.
 
@@ -70,6 +109,7 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     """
     target = path_of(path, "result", "a file to write")
     target.parent.mkdir(parents=True, exist_ok=True)
+    spare_array_packages()
     # content of a NetCDF file; its data are arrays in memory or on disk
     from xarray.backends import H5NetCDFStore
 
@@ -127,6 +167,7 @@ def read_dataset(path: str | Path, allowed: str = "a NetCDF file") -> xr.Dataset
         found = "a damaged file, which differs from its checksum"
         raise CaseError(path, found, f"{allowed} as it was written")
     unreadable = CaseError(path, "a file that cannot be read as one", allowed)
+    spare_array_packages()
     try:
         if intact or _is_readable(place):
             with xr.open_dataset(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -26,21 +27,14 @@ OPTIONAL = {
 
 
 @final
+@dataclass(frozen=True, eq=False)
 class Declared(Mapping[str, type]):
-    """Classes of keys that modules declare, by name; a module is imported when it is asked for.
+    """Classes of keys that modules declare, by name; a module is imported when it is asked for."""
 
-    Parameters
-    ----------
-    modules : callable
-        Modules that may declare one, by name.
-    keys : callable
-        Takes the class from a module; None where there is none.
-    """
-
-    def __init__(
-        self, modules: Callable[[], Mapping[str, str]], keys: Callable[[Any], type | None]
-    ) -> None:
-        self._modules, self._keys = modules, keys
+    _modules: Callable[[], Mapping[str, str]]
+    """Modules that may declare one, by name."""
+    _keys: Callable[[Any], type | None]
+    """Takes the class from a module; None where there is none."""
 
     def __getitem__(self, name: str) -> type:
         found = self._keys(import_module(self._modules()[name]))

@@ -39,8 +39,20 @@ def read_columns(path: Path, wanted: Mapping[str, str]) -> dict[str, Array]:
         Columns that must be there, with a unit of their dimension, ``1`` for none.
     """
     rows = read_rows(path)
-    names = _names(rows)
-    return {name: _column(path, rows[1:], names, name, unit) for name, unit in wanted.items()}
+    names, found = _names(rows), {}
+    for name, dimension in wanted.items():
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise CaseError(f"{path}: columns", known, f"one named '{name} [{dimension}]'")
+        place, unit = names[name]
+        require_unit(path, name, unit, dimension)
+        values = np.array([read_number(path, row, place, name) for row in rows[1:]])
+        if values.size == 0:
+            raise CaseError(f"{path}: {name}", "no rows", "at least one")
+        found[name] = values
+        if unit != "1":
+            found[name] = np.array([to_si(value, unit) for value in values])
+    return found
 
 
 def column_names(path: Path) -> list[str]:
@@ -61,52 +73,32 @@ def read_rows(path: Path) -> list[list[str]]:
     path : Path
         File in CSV with commas or semicolons, or ``.xlsx``.
     """
-    if path.suffix.lower() == ".xlsx":
-        return _sheet_rows(path)
-    allowed = "a CSV file in UTF-8"
+    sheet = path.suffix.lower() == ".xlsx"
+    if sheet:
+        openpyxl = package_of_extra("openpyxl", "excel", f"{path}: found a workbook")
+    allowed = "a workbook of Excel" if sheet else "a CSV file in UTF-8"
+    content = read_bytes(path, str(path), allowed, _LARGEST_FILE)
+    if sheet:
+        try:
+            # values in place of formulas
+            book = openpyxl.load_workbook(BytesIO(content), read_only=True, data_only=True)
+            cells = islice(book.worksheets[0].iter_rows(values_only=True), _LONGEST_SHEET)
+            rows = [["" if cell is None else str(cell) for cell in row] for row in cells]
+        except Exception as error:  # what a damaged workbook raises is up to its reader
+            raise CaseError(path, "a file that cannot be read as one", allowed) from error
+        return [row for row in rows if any(row)]
     try:
-        text = read_bytes(path, str(path), allowed, _LARGEST_FILE).decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
         separator = ";" if ";" in text.partition("\n")[0] else ","
         return [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
     except (csv.Error, UnicodeDecodeError) as error:
         raise CaseError(path, error, allowed) from error
 
 
-def _sheet_rows(path: Path) -> list[list[str]]:
-    """Cells of the first sheet of a workbook, with values in place of formulas."""
-    openpyxl = package_of_extra("openpyxl", "excel", f"{path}: found a workbook")
-    allowed = "a workbook of Excel"
-    content = BytesIO(read_bytes(path, str(path), allowed, _LARGEST_FILE))
-    try:
-        book = openpyxl.load_workbook(content, read_only=True, data_only=True)
-        sheet = book.worksheets[0]
-        rows = islice(sheet.iter_rows(values_only=True), _LONGEST_SHEET)
-        found = [["" if cell is None else str(cell) for cell in row] for row in rows]
-    except Exception as error:  # what a damaged workbook raises is up to its reader
-        raise CaseError(path, "a file that cannot be read as one", allowed) from error
-    return [row for row in found if any(row)]
-
-
 def _names(rows: list[list[str]]) -> dict[str, tuple[int, str]]:
     """Place and unit of every column that has a name and a unit."""
     heads = [_HEADER.fullmatch(cell) for cell in rows[0]] if rows else []
     return {head[1]: (k, head[2]) for k, head in enumerate(heads) if head}
-
-
-def _column(
-    path: Path, rows: list[list[str]], names: Mapping[str, tuple[int, str]], name: str, wanted: str
-) -> Array:
-    if name not in names:
-        found = ", ".join(names) or "none"
-        raise CaseError(f"{path}: columns", found, f"one named '{name} [{wanted}]'")
-    place, unit = names[name]
-    require_unit(path, name, unit, wanted)
-    values = np.array([read_number(path, row, place, name) for row in rows])
-    if values.size == 0:
-        raise CaseError(f"{path}: {name}", "no rows", "at least one")
-    if unit == "1":
-        return values
-    return np.array([to_si(value, unit) for value in values])
 
 
 def require_unit(path: Path, name: str, unit: str, wanted: str) -> None:

@@ -125,7 +125,8 @@ class PlaneSurface:
         # most points lie in one of the two nearest triangles, which are found faster
         for near in (min(2, count), min(_NEAREST, count)):
             tried = tree.query(at[left], k=near)[1].reshape(left.size, near)
-            held = _place(at, left, tried, origin, inverse, chosen, weight)
+            held = np.zeros(left.size, dtype=np.bool_)
+            _place(at, left, tried, origin, inverse, chosen, weight, held)
             left = left[~held]
         return _rows(self._plane.triangles[chosen], weight, len(self._plane.points))
 
@@ -155,9 +156,9 @@ def _place(
     inverse: Array,
     chosen: IntArray,
     weight: Array,
-) -> BoolArray:
+    held: BoolArray,
+) -> None:
     """Triangle and hat functions of the wanted points; whether a tried triangle holds them."""
-    held = np.zeros(wanted.size, dtype=np.bool_)
     for n in range(wanted.size):
         k, best = wanted[n], -np.inf
         for t in tried[n]:
@@ -172,7 +173,6 @@ def _place(
             if best >= 0.0:
                 held[n] = True
                 break
-    return held
 
 
 def _rows(columns: IntArray, weights: Array, count: int) -> scipy.sparse.csr_matrix:

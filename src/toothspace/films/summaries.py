@@ -200,12 +200,13 @@ def grid_report(
         if isinstance(value, float) and value != 0.0 and name not in _CHECKS:
             values = [numbers.get(name) for numbers in found]
             if all(isinstance(number, float) for number in values):
-                report[name] = _convergence(*values)  # type: ignore[arg-type]
+                half, once, twice = (float(number or 0.0) for number in values)
+                coarse, fine = abs(once - half), abs(twice - once)
+                report[name] = {
+                    "half": half,
+                    "given": once,
+                    "twice": twice,
+                    "order": float(np.log2(coarse / fine)) if coarse > fine > 0.0 else None,
+                    "error": 4.0 / 3.0 * fine / abs(twice),
+                }
     return report
-
-
-def _convergence(half: float, given: float, twice: float) -> dict[str, float | None]:
-    coarse, fine = abs(given - half), abs(twice - given)
-    order = float(np.log2(coarse / fine)) if coarse > fine > 0.0 else None
-    error = 4.0 / 3.0 * fine / abs(twice)
-    return {"half": half, "given": given, "twice": twice, "order": order, "error": error}

@@ -19,7 +19,7 @@ from toothspace.floating.equilibrium import (
 )
 from toothspace.floating.face_grid import FaceGrid
 from toothspace.floating.housing_friction import housing_friction
-from toothspace.floating.motion import Balance, Loads, StepSettings, state_at
+from toothspace.floating.motion import Loads, StepSettings, state_at
 from toothspace.floating.problem import film_laws
 from toothspace.floating.stack import BackPressure, Stack, StackState, WinklerFoundation
 from toothspace.model.description import MachineDescription
@@ -251,7 +251,15 @@ def _repeated(
 ) -> tuple[list[StackState], bool]:
     """States over the last pitch, from its beginning on, and whether it differs from the former."""
     period = stack.balance.interfaces[0].face.period
-    now = found.balance if found.settled else _aside(stack, found.balance)
+    now = found.balance
+    if not found.settled:
+        # at rest with every body tilted about both axes by a small part of its gap
+        q, body = now.position.copy(), stack.first_body
+        if stack.balance.motion == "full":
+            tilted = np.arange(body, stack.size) % 3 > 0
+            q[body:][tilted] += _ASIDE * stack.play / stack.arms[body:][tilted]
+        rest = (replace(s, position=q, velocity=np.zeros_like(q)) for s in now.states)
+        now = replace(now, states=tuple(rest))
     before = now.states[0]
     for pitch in range(_MOST_PITCHES):
         angles = (pitch + np.arange(1, _STEPS + 1) / _STEPS) * period
@@ -263,13 +271,3 @@ def _repeated(
             break
     states = [balance.states[0] for balance in march]
     return [states[-1], *states[:-1]], change > _REPEATS * before.smallest_gap()
-
-
-def _aside(stack: Stack, balance: Balance) -> Balance:
-    """State at rest with every body tilted about both axes by a small part of its gap."""
-    q, first = balance.position.copy(), stack.first_body
-    if stack.balance.motion == "full":
-        tilted = np.arange(first, stack.size) % 3 > 0
-        q[first:][tilted] += _ASIDE * stack.play / stack.arms[first:][tilted]
-    states = tuple(replace(s, position=q, velocity=np.zeros_like(q)) for s in balance.states)
-    return replace(balance, states=states)

@@ -453,10 +453,11 @@ def compliant_responses(
     fields, sweep, share = plane.fields, plane.film.grid.sweep_x, solution.gap_slope
     # asperities hold off a part of the motion, at the pace of the step
     held = solution.frequency * (share - 1.0)
-    motions = (GapMotion(x._replace(rate=x.rate + held * x.centre), share) for x in lifts)
-    flows = [
-        flow_change(found, sweep, motion, fields.potential, fields.saturation) for motion in motions
-    ]
+    flows = [np.empty_like(fields.potential) for _ in lifts]
+    for lift, out in zip(lifts, flows, strict=True):
+        motion = GapMotion(lift._replace(rate=lift.rate + held * lift.centre), share)
+        own = share * lift.centre
+        flow_change(found, sweep, motion, fields.potential, fields.saturation, own, out)
     return solved_responses(fields, flows, linear)
 
 
@@ -504,10 +505,18 @@ def _linearise(
     return _Pass(height, rate, touch, found, system, right)
 
 
-@njit(nogil=True)
 def deformed_gap(gap: GapField, deformation: Array, sweep: Array) -> GapField:
     """Gap with a deformation: along the motion that of the cell upstream."""
     along, across = np.empty(gap.face_x.shape), np.empty(gap.face_y.shape)
+    fill_deformed_faces(gap, deformation, sweep, along, across)
+    return gap._replace(centre=gap.centre + deformation, face_x=along, face_y=across)
+
+
+@njit(nogil=True)
+def fill_deformed_faces(
+    gap: GapField, deformation: Array, sweep: Array, along: Array, across: Array
+) -> None:
+    """Fill the gap at the faces of the cells; arguments as for :func:`deformed_gap`."""
     rows, lanes = deformation.shape
     for i in range(rows + 1):
         for j in range(lanes):
@@ -517,4 +526,3 @@ def deformed_gap(gap: GapField, deformation: Array, sweep: Array) -> GapField:
         for j in range(lanes + 1):
             south, north = deformation[i, max(j - 1, 0)], deformation[i, min(j, lanes - 1)]
             across[i, j] = gap.face_y[i, j] + 0.5 * (south + north)
-    return GapField(gap.centre + deformation, along, across, gap.rate, gap.step)

@@ -137,8 +137,14 @@ class ElasticFaces:
             name: body.deformation(loads[name], named.get(name))
             for name, body in self.bodies.items()
         }
-        films, size = range(len(self.grids)), self.grids[0].area.size
-        return list(in_parallel(lambda k: self._opening(k, moved, snapshot), films, size))
+
+        def opening(k: int) -> Array:
+            parts = [
+                spread @ moved[name][nodes] for name, nodes, spread in self._faces(k, snapshot)
+            ]
+            return np.asarray(sum(parts)).reshape(self.grids[k].area.shape)
+
+        return list(in_parallel(opening, range(len(self.grids)), self.grids[0].area.size))
 
     def resultants(self, pressures: Sequence[Array], snapshot: Snapshot) -> dict[str, Array]:
         """Force and moment of all loads on every body about its centre of mass. [N, N m].
@@ -184,13 +190,6 @@ class ElasticFaces:
             self._named[_KEPT:] = []
             self._named.insert(0, (snapshot, kept))
         return kept
-
-    def _opening(self, index: int, moved: Mapping[str, Array], snapshot: Snapshot) -> Array:
-        """Deformation of one film by the displacements of the nodes of all bodies. [m]."""
-        parts = [
-            spread @ moved[name][nodes] for name, nodes, spread in self._faces(index, snapshot)
-        ]
-        return np.asarray(sum(parts)).reshape(self.grids[index].area.shape)
 
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells.
@@ -238,12 +237,10 @@ class ElasticFaces:
         spread = self._turning[index]
         turn = own.body_angle + own.speed_ratio * (shaft_angle + own.lead)
         first = 0.5 * (finer - 1) - turn * rows / (2.0 * np.pi)
-        columns, weights = _between_rows(
-            spread.indices.reshape(rows, grid.lanes, -1),
-            spread.data.reshape(rows, grid.lanes, -1),
-            first,
-            finer,
-        )
+        given = spread.indices.reshape(rows, grid.lanes, -1)
+        columns = np.empty((rows // finer, grid.lanes, 2 * given.shape[2]), dtype=given.dtype)
+        weights = np.empty(columns.shape)
+        _between_rows(given, spread.data.reshape(given.shape), first, columns, weights)
         starts = np.arange(grid.area.size + 1, dtype=np.int32) * columns.shape[2]
         shape = grid.area.size, spread.shape[1]
         return sp.csr_matrix((weights.ravel(), columns.ravel(), starts), shape=shape)
@@ -251,14 +248,12 @@ class ElasticFaces:
 
 @njit(nogil=True)
 def _between_rows(
-    columns: IntArray, weights: Array, first: float, stride: int
-) -> tuple[IntArray, Array]:
-    """Rows of an interpolation between those of a ring, from a broken row on at a stride."""
+    columns: IntArray, weights: Array, first: float, out: IntArray, values: Array
+) -> None:
+    """Fill rows of an interpolation between those of a ring, even from a broken row on."""
     ring, lanes, width = weights.shape
-    rows, start = ring // stride, int(np.floor(first))
-    share = first - start
-    out = np.empty((rows, lanes, 2 * width), dtype=columns.dtype)
-    values = np.empty((rows, lanes, 2 * width))
+    rows, start = len(out), int(np.floor(first))
+    share, stride = first - start, ring // rows
     for i in range(rows):
         a = (start + i * stride) % ring
         b = (a + 1) % ring
@@ -267,7 +262,6 @@ def _between_rows(
                 out[i, j, k], values[i, j, k] = columns[a, j, k], (1.0 - share) * weights[a, j, k]
                 out[i, j, width + k] = columns[b, j, k]
                 values[i, j, width + k] = share * weights[b, j, k]
-    return out, values
 
 
 def elastic_faces(

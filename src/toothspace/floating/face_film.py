@@ -378,11 +378,16 @@ def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> f
     return most
 
 
-@njit(nogil=True)
 def _plane(x: Array, y: Array, motion: Array) -> Array:
     """Heights of a plane with a lift and rotations about x and y. [m]."""
     out = np.empty(x.shape)
+    fill_plane(x, y, motion, out)
+    return out
+
+
+@njit(nogil=True)
+def fill_plane(x: Array, y: Array, motion: Array, out: Array) -> None:
+    """Fill the heights of a plane. [m]."""
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
             out[i, j] = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
-    return out

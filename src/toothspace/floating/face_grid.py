@@ -139,20 +139,22 @@ class FaceGrid:
 
         [N, N m, N m]
         """
-        return _moments(pressure, cells, self.points.x, self.points.y, self.area)
+        return np.array(_moments(pressure, cells, self.points.x, self.points.y, self.area))
 
 
 @njit(nogil=True)
-def _moments(pressure: Array, cells: BoolArray, x: Array, y: Array, area: Array) -> Array:
-    out = np.zeros(3)
+def _moments(
+    pressure: Array, cells: BoolArray, x: Array, y: Array, area: Array
+) -> tuple[float, float, float]:
+    lift, about_x, about_y = 0.0, 0.0, 0.0
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             if cells[i, j]:
                 push = pressure[i, j] * area[i, j]
-                out[0] += push
-                out[1] += push * y[i, j]
-                out[2] -= push * x[i, j]
-    return out
+                lift += push
+                about_x += push * y[i, j]
+                about_y -= push * x[i, j]
+    return lift, about_x, about_y
 
 
 _ASIDE = 0.01

@@ -334,7 +334,12 @@ def _newton_step(
         right[count + k] = -float(lever @ v) * task.duration
     # lifts in metres and tilts in radians differ by the size of the face
     scale = np.concatenate([1.0 / task.stack.arms[free], np.ones(bars)])
-    solution = scale * _solved(full * scale[:, None] * scale[None, :], right * scale)
+    scaled = full * scale[:, None] * scale[None, :], right * scale
+    try:
+        solution = scale * np.linalg.solve(*scaled)
+    except np.linalg.LinAlgError:
+        # that of least length, where films are lost and nothing holds a motion
+        solution = scale * np.linalg.lstsq(*scaled, rcond=None)[0]
     step = np.zeros(task.stack.size)
     step[free] = solution[:count]
     holding = solution[count:]
@@ -343,14 +348,6 @@ def _newton_step(
         balanced += value * lever
     error = float(np.abs(balanced / task.stack.arms)[free].max())
     return _Step(step, holding, error, force, drag)
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    """Solution; that of least length where films are lost and nothing holds a motion."""
-    try:
-        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
 
 
 def _friction(task: _StepTask, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:

@@ -296,9 +296,10 @@ def balance_of(description: MachineDescription) -> LateralBalance:
 
     Raises CaseError if it has none.
     """
-    if description.lateral_balance is None:
+    balance = description.lateral_balance
+    if balance is None:
         raise CaseError(NO_FLOATING_PART)
-    return description.lateral_balance
+    return balance
 
 
 def film_laws(

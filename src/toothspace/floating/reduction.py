@@ -108,7 +108,7 @@ def loaded_condition(
         Lumped solution of a changed machine at the condition.
     """
     balance = balance_of(description)
-    free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)
+    free = replace(description, lateral_table=None).with_balance(_loaded(balance, 0.0, 0.0))
     point = couple_point(free, fluid, run, PointRequest(settings=settings, start=_START_GAP))
     back = point.problem.loads.back
     return LoadedCondition(
@@ -197,7 +197,7 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
         now = point.equilibrium.balance
         for k in way:
             moved = _loaded(balance_of(point.description), float(added[k]), moment)
-            machine = replace(point.description, lateral_balance=moved)
+            machine = point.description.with_balance(moved)
             problem = lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
             rest = problem.settle(problem.continued(now.position))
             numbers = numbers_of(problem, rest.balance)

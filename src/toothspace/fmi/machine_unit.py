@@ -116,7 +116,12 @@ def machine_unit(
     content = machine.content + describe(machine, name, token="").encode()
     token = hashlib.sha256(content).hexdigest()[:32]
     folder, suffix = platform_folder()
-    platform_name = folder if fmi == "2" else _platform_tuple()
+    platform_name = folder
+    if fmi == "3":
+        named = {"amd64": "x86_64", "arm64": "aarch64"}
+        processor = platform.machine().lower()
+        system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
+        platform_name = f"{named.get(processor, processor)}-{system}"
     unused = f"fmi{'3' if fmi == '2' else '2'}.c"
     sources = {one: (FOLDER / one).read_bytes() for one in (*UNIT_SOURCES, MODEL) if one != unused}
     contents = {
@@ -132,15 +137,6 @@ def machine_unit(
         contents["terminalsAndIcons/terminalsAndIcons.xml"] = _terminals(machine).encode()
         contents["sources/buildDescription.xml"] = _build(name, platform_name).encode()
     return packed(contents)
-
-
-def _platform_tuple() -> str:
-    """Folder of binaries in FMI 3.0."""
-    kind = {"amd64": "x86_64", "arm64": "aarch64"}.get(
-        platform.machine().lower(), platform.machine().lower()
-    )
-    system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
-    return f"{kind}-{system}"
 
 
 def _causality(one: MachineVariable) -> str:

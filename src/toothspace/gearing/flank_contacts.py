@@ -128,7 +128,14 @@ def tooth_stiffness(gears: meshing.MeshedGears, flanks: FlankPair) -> float:
 
 
 def rigid_mesh(gears: meshing.MeshedGears) -> RigidMesh:
-    """Rotation of the driven gear that keeps the loaded flanks touching."""
-    normal, lever = meshing.rigid_contact(gears)
+    """Rotation of the driven gear that keeps the loaded flanks touching.
+
+    At the middle of the path of contact the gap changes by ``-n . q_drive + n . q_driven + lever
+    q_rotation`` with the normal n; the lever is signed, and the contact force is the pressure
+    torque on the driven gear over minus the lever.
+    """
+    middle = np.array([0.5 * sum(meshing.contact_range(gears))])
+    side = meshing.facing_throats(gears.teeth, gears.mesh, gears.loaded_is_left, middle)
+    normal, lever = side.normal[0], float(meshing.driven_lever(side, gears.mesh)[0])
     coefficients = np.append(np.concatenate([normal, -normal]) / lever, 0.0)
     return RigidMesh("drive_flank", coefficients.size - 1, coefficients, lever)

@@ -90,6 +90,12 @@ class Helix:
         return abs(self.turn_per_length) * self.face_width
 
     @property
+    def leads(self) -> tuple[float, float]:
+        """Shaft angles by which the ends of the gears lead their middle, far side first. [rad]."""
+        half = 0.5 * self.turn_per_length * self.face_width
+        return half, -half
+
+    @property
     def overlap_ratio(self) -> float:
         """Twist over the pitch angle: contact ratio along the face width. [-]."""
         return self.twist * self.tooth_count / FULL_TURN

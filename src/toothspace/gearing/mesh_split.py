@@ -20,6 +20,7 @@ import numpy as np
 
 from toothspace.closures.smooth import smooth_step
 from toothspace.core.compiled import inlined, njit
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array
 from toothspace.gearing.tooth import (
     Flank,
@@ -420,6 +421,11 @@ class Throats:
         return 0.5 * (self.drive.point + self.driven.point)
 
 
+_KEPT = 48
+"""Throats that are remembered: a design is looked at again and again, in part unchanged."""
+
+
+@recalled(_KEPT)
 def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
     """Throats between facing flanks.
 
@@ -434,7 +440,8 @@ def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
     angles : ndarray
         Throat angles. [rad]
     """
-    data = _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float))
+    data = np.zeros((angles.size, _COLUMNS))
+    _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float), data)
     ends = (
         ThroatEnd(
             point=data[:, 1 + 2 * k : 3 + 2 * k],
@@ -561,9 +568,8 @@ def _signed_gap(
 
 
 @njit
-def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Array:
+def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array, rows: Array) -> None:
     window = throat_window(drive, driven, mesh)
-    rows = np.zeros((angles.size, _COLUMNS))
     idle = Closest(0.0, 0.0, FIRST_AT_CORNER)
     for k in range(angles.size):
         angle, row = angles[k], rows[k]
@@ -593,4 +599,3 @@ def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Arra
         row[18] = flank_curvature(drive, near.first)
         row[19] = flank_curvature(driven, near.second)
         row[20] = near.mode
-    return rows

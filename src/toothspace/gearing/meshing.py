@@ -38,7 +38,6 @@ _NO_THROAT = 1.0
 _RADIUS_RANGE = 2.9e-3, 1.46
 """Relative radii of curvature that count, over the pitch radius of the drive gear. [-]"""
 
-_GROWN_THROAT = 0.05
 _LEAST_RADIUS = 5.8e-3
 """Radius of an edge in contact, over the pitch radius of the drive gear. [-]"""
 
@@ -272,17 +271,6 @@ def load_share(gears: MeshedGears, angles: Array) -> Array:
     return np.asarray(own / np.where(own > 0.0, sum(pairs), 1.0), dtype=float)
 
 
-def rigid_contact(gears: MeshedGears) -> tuple[Array, float]:
-    """Normal at the middle of the path of contact, and the lever of the driven rotation. [-], [m].
-
-    The gap changes by ``-n . q_drive + n . q_driven + lever q_rotation``; the lever is signed, and
-    the contact force is the pressure torque on the driven gear over minus the lever.
-    """
-    middle = np.array([0.5 * sum(contact_range(gears))])
-    side = facing_throats(gears.teeth, gears.mesh, gears.loaded_is_left, middle)
-    return side.normal[0], float(driven_lever(side, gears.mesh)[0])
-
-
 def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
     r"""Volume delivered per radian while a throat at given angles seals inlet from outlet.
 
@@ -349,12 +337,6 @@ def contact_ratio(gears: MeshedGears) -> float:
     return (end - start) / (2.0 * gears.mesh.half_pitch)
 
 
-def throat_width(gears: MeshedGears, side: Throats) -> Array:
-    """Width of the gap in a throat, which grows while the tips enter the lens. [m]."""
-    grown = np.clip(side.weight / _GROWN_THROAT, 0.0, 1.0)
-    return np.asarray(gears.face_width * grown * grown * (3.0 - 2.0 * grown), dtype=float)
-
-
 def relative_radius(mesh: Mesh, side: Throats, tip_rounding: float) -> Array:
     """Relative radius of curvature of a throat; a sharp corner counts with its edge. [m]."""
     low, high = (part * mesh.pitch_radii[0] for part in _RADIUS_RANGE)
@@ -392,9 +374,18 @@ def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicT
 
     The slope of the gap is exact, so conjugate flanks stay so.
     """
-    drive, driven = flank_radii(gears, side)
     ahead, follows = _along_normal(gears, side)
     ratio = gears.mesh.ratio
+    # of involutes the distances from both centres along the normal, negative on the concave flanks
+    # of a ring gear; at a tip corner the edge counts as rounded
+    edge = _LEAST_RADIUS * gears.mesh.pitch_radii[0]
+    drive, driven = (
+        np.where(end.curvature > 0.2 / edge, edge, sign * np.maximum(np.abs(part), edge))
+        for end, part, sign in (
+            (side.drive, ahead, 1.0),
+            (side.driven, follows, np.sign(ratio)),
+        )
+    )
     complete = side.weight >= 1.0
     # flanks that do not face one another in the lens are apart
     gap = np.where(complete, side.gap, side.gap[complete].max())
@@ -417,21 +408,6 @@ def _along_normal(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
     drive = np.sum(side.drive.point * side.normal, axis=1)
     driven = np.sum((side.driven.point - center) * side.normal, axis=1)
     return drive, driven
-
-
-def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
-    """Radii of curvature of touching flanks. [m].
-
-    On involutes they are the distances of the contact from both centres along the normal, negative
-    on the concave flanks of a ring gear; at a tip corner the edge counts as rounded.
-    """
-    drive, driven = (np.abs(part) for part in _along_normal(gears, side))
-    edge = _LEAST_RADIUS * gears.mesh.pitch_radii[0]
-    sharp = 0.2 / edge
-    drive = np.where(side.drive.curvature > sharp, edge, drive)
-    drive, driven = np.maximum(drive, edge), np.maximum(driven, edge)
-    driven = np.copysign(driven, gears.mesh.ratio)
-    return drive, np.where(side.driven.curvature > sharp, edge, driven)
 
 
 def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 import shapely
 
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array, IntArray
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears
@@ -32,17 +33,6 @@ class _Side:
     along: Array
     corner: Array
     end: Array
-
-    def short_of_end(self, index: int) -> Array:
-        # from the root middle to the throat's end, or to the corner where it is beyond
-        return self.flank[index, : self.count[index]]
-
-    def above(self, index: int) -> Array:
-        # from the throat's end to the corner
-        return self.flank[index, self.count[index] :]
-
-    def point(self, index: int) -> Array:
-        return self.end[index, None, :]
 
     def arc(self, start: float, end: float) -> Array:
         # without its ends, which are corners or throat ends
@@ -92,16 +82,17 @@ def space_outlines(spaces: Spaces, indices: IntArray | None = None) -> list[Arra
     in_mesh = np.maximum(spaces.left.weight, spaces.right.weight)[at] > 0.0
     outlines = []
     for k, meshed in enumerate(in_mesh):
-        # both begin in the middle of the root
-        flanks = [right.short_of_end(k)[::-1], left.short_of_end(k)[1:]]
+        # both from the middle of the root to the throat's end, or to the corner before it
+        flanks = [right.flank[k, : right.count[k]][::-1], left.flank[k, 1 : left.count[k]]]
         if not meshed:
             outlines.append(np.concatenate([*flanks, left.arc(left.corner[k], right.corner[k])]))
             continue
-        entry = [right.point(k), right.arc(right.along[k], right.corner[k])]
-        opening = [left.arc(left.corner[k], left.along[k]), left.point(k)]
+        entry = [right.end[k, None], right.arc(right.along[k], right.corner[k])]
+        opening = [left.arc(left.corner[k], left.along[k]), left.end[k, None]]
         tip = mate_left.arc(mate_left.along[k], mate_right.along[k])
-        intruder = [mate_left.point(k), mate_left.above(k)]
-        back = [mate_right.above(k)[::-1], mate_right.point(k)]
+        # of the mate, from the throat's end to the corner
+        intruder = [mate_left.end[k, None], mate_left.flank[k, mate_left.count[k] :]]
+        back = [mate_right.flank[k, mate_right.count[k] :][::-1], mate_right.end[k, None]]
         outlines.append(np.concatenate([*entry, *flanks, *opening, *intruder, tip, *back]))
     return outlines
 
@@ -147,13 +138,16 @@ def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Arr
         Angle from the mesh side of the centre line to the edges of inlet and outlet port. [rad]
     """
     (inlet_edge, outlet_edge), tip = edges, abs(spaces.own.tip_radius)
-    lens = _lens(spaces, own=True)
+    mesh = spaces.mesh
+    both = abs(mesh.lens_drive), abs(mesh.lens_driven)
+    lens, other_lens = both if spaces.is_drive else both[::-1]
+    # in the sense of rotation: on a ring gear places of the mesh count against it
+    sense, other_sense = np.sign(spaces.own.tip_radius), np.sign(spaces.other.tip_radius)
     # the left flank of a drive space is on the tooth behind, that of a driven space ahead
     sides = (spaces.left, spaces.right) if spaces.is_drive else (spaces.right, spaces.left)
     near, far = (own_end(spaces, side) for side in sides)
     behind, ahead, last, first = (
-        _with_rotation(spaces.own, place)
-        for place in (near.corner, far.corner, near.along, far.along)
+        sense * place for place in (near.corner, far.corner, near.along, far.along)
     )
     turn = 2.0 * np.pi
     inlet = _overlap(np.maximum(first, behind), ahead, lens, inlet_edge)
@@ -161,27 +155,28 @@ def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Arr
     outlet = _overlap(behind, np.minimum(last, ahead), -outlet_edge, -lens)
     outlet += _overlap(behind - turn, ahead - turn, -outlet_edge, -lens)
     # a throat that ends on the other gear's tip circle leaves its arc up to the lens to this space
-    other_lens, radius = _lens(spaces, own=False), abs(spaces.other.tip_radius)
+    radius = abs(spaces.other.tip_radius)
     beyond_in, beyond_out = np.zeros(spaces.angles.size), np.zeros(spaces.angles.size)
     for side in (spaces.left, spaces.right):
-        along = _with_rotation(spaces.other, other_end(spaces, side).along)
+        along = other_sense * other_end(spaces, side).along
         there = side.weight > 0.0
         beyond_in += np.where(there, np.maximum(along - other_lens, 0.0), 0.0)
         beyond_out += np.where(there, np.maximum(-other_lens - along, 0.0), 0.0)
     return tip * inlet + radius * beyond_in, tip * outlet + radius * beyond_out
 
 
-def _lens(spaces: Spaces, *, own: bool) -> float:
-    return abs(spaces.mesh.lens_drive if spaces.is_drive == own else spaces.mesh.lens_driven)
-
-
-def _with_rotation(tooth: Tooth, place: Array) -> Array:
-    """Place in the sense of rotation: on a ring gear those of the mesh count against it."""
-    return np.asarray(np.sign(tooth.tip_radius) * place, dtype=float)
-
-
 def _overlap(start: Array, end: Array, low: float, high: float) -> Array:
     return np.maximum(np.minimum(end, high) - np.maximum(start, low), 0.0)
+
+
+_REACH_STEP = 0.5
+_KEPT = 6
+
+
+@recalled(_KEPT)
+def _enclosed_spaces(spaces: Spaces, indices: IntArray) -> Any:
+    """Tooth spaces at some of their angles, as polygons. [m]."""
+    return enclosed(space_outlines(spaces, indices))
 
 
 def groove_openings(
@@ -219,9 +214,10 @@ def groove_openings(
             rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
             place = float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))
         reaches.append(place)
-    reach = max(reaches)
-    near = np.flatnonzero(np.abs(spaces.angles) < reach)
-    shapes = enclosed(space_outlines(spaces, near))
+    # in whole steps, so that outlines are known where a recess is moved
+    step = _REACH_STEP * abs(spaces.own.pitch_angle)
+    near = np.flatnonzero(np.abs(spaces.angles) < step * np.ceil(max(reaches) / step))
+    shapes = _enclosed_spaces(spaces, near)
     found = {}
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))

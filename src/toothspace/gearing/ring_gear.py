@@ -94,35 +94,34 @@ class RingGear:
         corner = float(self.half_angle(self.tip_radius))
         rounding, land = self.space.tip_rounding, pitch - form.tip_half_angle
         rounded = float(rounding > 0.0)
+
+        def flank(u: Array) -> Array:
+            base = self.base_radius
+            lower, upper = (
+                np.sqrt(r**2 - base**2) for r in (self.tip_radius, form.tip_form_radius)
+            )
+            radius = np.hypot(base, lower + (upper - lower) * u)
+            return polar(radius, np.asarray(self.half_angle(radius)))
+
+        def fillet(u: Array) -> Array:
+            end = np.array([form.tip_form_radius])
+            start = polar(end, np.asarray(self.half_angle(end)))[0]
+            center = polar(self.root_radius - rounding, np.array([land]))[0]
+            first = float(np.arctan2(*(start - center)[::-1]))
+            return np.asarray(center + polar(rounding, first + (land - first) * u), dtype=float)
+
         segments = [
             CurveSegment(lambda u: polar(self.tip_radius, corner * u), (0.0, 0.0)),
-            CurveSegment(self._flank, (0.0, rounded)),
+            CurveSegment(flank, (0.0, rounded)),
         ]
         if rounded:
-            segments.append(CurveSegment(self._fillet, (1.0, 0.7)))
+            segments.append(CurveSegment(fillet, (1.0, 0.7)))
         segments.append(
             CurveSegment(
                 lambda u: polar(self.root_radius, land + (pitch - land) * u), (0.7 * rounded, 0.0)
             )
         )
         return sample_segments(segments, points)
-
-    def _flank(self, u: Array) -> Array:
-        base = self.base_radius
-        lower, upper = (
-            np.sqrt(r**2 - base**2) for r in (self.tip_radius, self.form.tip_form_radius)
-        )
-        radius = np.hypot(base, lower + (upper - lower) * u)
-        return polar(radius, np.asarray(self.half_angle(radius)))
-
-    def _fillet(self, u: Array) -> Array:
-        form, rounding = self.form, self.space.tip_rounding
-        end = np.array([form.tip_form_radius])
-        start = polar(end, np.asarray(self.half_angle(end)))[0]
-        turn = np.pi / self.tooth_count - form.tip_half_angle
-        center = polar(self.root_radius - rounding, np.array([turn]))[0]
-        first = float(np.arctan2(*(start - center)[::-1]))
-        return np.asarray(center + polar(rounding, first + (turn - first) * u), dtype=float)
 
 
 def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:

@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from toothspace.closures.gap_flow import ring_sector_gap
+from toothspace.closures.smooth import smooth_step
 from toothspace.core.types import Array, IntArray
 from toothspace.gearing import meshing
 from toothspace.gearing.mesh_split import Throats
@@ -91,6 +92,8 @@ FLANK = PathCategory("flank", "flanks", "#56B4E9", "mesh")
 FACES = 2
 """Faces of a gear."""
 
+_GROWN_THROAT = 0.05
+"""Weight of a throat in the lens with which it is as wide as the face. [-]"""
 _PEAKS = 2.0
 """Height of the peaks of a rough flank over their root mean square. [-]"""
 
@@ -129,7 +132,9 @@ def flank_paths(
     def path(name: str, side: Throats, *, leading: bool) -> FlowPath:
         met = np.mod(numbering.met_spaces - (1 if leading else 0), gears.counts[1])
         radius = meshing.relative_radius(gears.mesh, side, tip_rounding)
-        geometry = np.column_stack([side.gap, meshing.throat_width(gears, side), radius])
+        # the gap in a throat grows in width while the tips enter the lens
+        width = gears.face_width * smooth_step(side.weight / _GROWN_THROAT)
+        geometry = np.column_stack([side.gap, width, radius])
         return FlowPath(
             name=name,
             category=FLANK,

@@ -317,6 +317,8 @@ class SectionRequest:
     """Height towards which a body turns its face: in place of one section, one through the layer
     behind that face and one through the layer that follows, between flat faces across the axis. [m]
     """
+    left_out: tuple[tuple[str, int], ...] = ()
+    """Names of files and numbers of bodies in them that do not belong to the machine."""
 
 
 @final

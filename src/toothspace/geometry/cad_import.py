@@ -225,7 +225,13 @@ def read_point_file(path: Path, unit: float) -> list[Array]:
             raise GeometryError(path, f"{text[:40]!r} in line {number}", "2 or 3 numbers")
         if row is not None:
             curves[-1].append(row[:2])
-    return [_finite(path, np.asarray(curve) * unit) for curve in curves if curve]
+    found = [np.asarray(curve) * unit for curve in curves if curve]
+    for curve in found:
+        finite = np.all(np.isfinite(curve), axis=1)
+        if not np.all(finite):
+            told = f"a value that is not finite in point {int(np.argmin(finite)) + 1}"
+            raise GeometryError(path, told, "finite numbers")
+    return found
 
 
 def _decoded(path: Path) -> str:
@@ -251,13 +257,6 @@ def _numbers(text: str, separator: str, mark: str) -> list[float] | None:
         return [float(word) for word in words]
     except ValueError:
         return None
-
-
-def _finite(path: Path, curve: Array) -> Array:
-    if not np.all(np.isfinite(curve)):
-        row = int(np.argmin(np.all(np.isfinite(curve), axis=1))) + 1
-        raise GeometryError(path, f"a value that is not finite in point {row}", "finite numbers")
-    return curve
 
 
 _CURVES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")

@@ -99,12 +99,50 @@ class ContinuousGear:
 
     def pieces(self) -> list[Callable[[Array], RolledFlank]]:
         """Smooth pieces of the addendum from the tip to the pitch circle, over 0 to 1."""
-        return {
-            "arc_involute_arc": self._arc_involute_arc,
-            "circular_arc": self._circular_arc,
-            "sinusoidal": self._sinusoidal,
-            "cycloidal": self._cycloidal,
-        }[self.family]()
+        r, z, height, quarter = (
+            self.reference_radius, self.tooth_count, self.addendum, self.quarter_pitch
+        )  # fmt: skip
+        if self.family == "arc_involute_arc":
+            assert self.pressure_angle is not None
+            side, base = 0.5 * math.pi - self.pressure_angle, r * math.cos(self.pressure_angle)
+
+            def arc(u: Array) -> RolledFlank:
+                return RolledFlank(np.zeros_like(u), np.full_like(u, height), side * u)
+
+            def involute(u: Array) -> RolledFlank:
+                roll = quarter * u
+                return RolledFlank(roll, height - base * roll, np.full_like(u, side))
+
+            return [arc, involute]
+        if self.family == "circular_arc":
+            # centre on the axis of the tooth, through tip and pitch circle
+            tip, end = r + height, polar(r, np.array([quarter]))[0]
+            center = (tip**2 - r**2) / (2.0 * (tip - end[0]))
+            last = float(np.arctan2(end[1], end[0] - center))
+
+            def circle(u: Array) -> RolledFlank:
+                points = polar(tip - center, last * u) + np.array([center, 0.0])
+                return _from_normals(points, last * u, r)
+
+            return [circle]
+        if self.family == "sinusoidal":
+
+            def wave(u: Array) -> RolledFlank:
+                angle = quarter * u
+                radius, slope = r + height * np.cos(z * angle), -height * z * np.sin(z * angle)
+                normal = angle - np.arctan2(slope, radius)
+                return _from_normals(polar(radius, angle), normal, r)
+
+            return [wave]
+
+        # cycloidal: a circle that rolls half a turn from the tip to the pitch circle
+        def arch(u: Array) -> RolledFlank:
+            # even along the curve, whose curvature has no bound at the pitch circle
+            turn = 2.0 * np.arccos(np.clip(u, 0.0, 1.0))
+            roll = quarter * (1.0 - turn / math.pi)
+            return RolledFlank(roll, r / z * np.sin(0.5 * turn), 0.5 * (math.pi - turn))
+
+        return [arch]
 
     def points(self, flank: RolledFlank, *, mate: bool = False) -> Array:
         """Points of the flank, or of the dedendum that is its mate. Shape (n, 2). [m]."""
@@ -238,57 +276,6 @@ class ContinuousGear:
             )
         u = root_between(wide, 0.0, 1.0, 1e-15)
         return u, self.points(first(np.array([u])))[0]
-
-    def _arc_involute_arc(self) -> list[Callable[[Array], RolledFlank]]:
-        assert self.pressure_angle is not None
-        radius, side = self.addendum, 0.5 * math.pi - self.pressure_angle
-        base = self.reference_radius * math.cos(self.pressure_angle)
-
-        def arc(u: Array) -> RolledFlank:
-            return RolledFlank(np.zeros_like(u), np.full_like(u, radius), side * u)
-
-        def involute(u: Array) -> RolledFlank:
-            roll = self.quarter_pitch * u
-            return RolledFlank(roll, radius - base * roll, np.full_like(u, side))
-
-        return [arc, involute]
-
-    def _circular_arc(self) -> list[Callable[[Array], RolledFlank]]:
-        # centre on the axis of the tooth, through tip and pitch circle
-        r, quarter = self.reference_radius, self.quarter_pitch
-        tip = r + self.addendum
-        end = polar(r, np.array([quarter]))[0]
-        center = (tip**2 - r**2) / (2.0 * (tip - end[0]))
-        last = float(np.arctan2(end[1], end[0] - center))
-
-        def arc(u: Array) -> RolledFlank:
-            points = polar(tip - center, last * u) + np.array([center, 0.0])
-            return _from_normals(points, last * u, r)
-
-        return [arc]
-
-    def _sinusoidal(self) -> list[Callable[[Array], RolledFlank]]:
-        r, z, height = self.reference_radius, self.tooth_count, self.addendum
-
-        def wave(u: Array) -> RolledFlank:
-            angle = self.quarter_pitch * u
-            radius, slope = r + height * np.cos(z * angle), -height * z * np.sin(z * angle)
-            normal = angle - np.arctan2(slope, radius)
-            return _from_normals(polar(radius, angle), normal, r)
-
-        return [wave]
-
-    def _cycloidal(self) -> list[Callable[[Array], RolledFlank]]:
-        # a circle that rolls half a turn from the tip to the pitch circle
-        wheel = 0.5 * self.reference_radius / self.tooth_count
-
-        def arch(u: Array) -> RolledFlank:
-            # even along the curve, whose curvature has no bound at the pitch circle
-            turn = 2.0 * np.arccos(np.clip(u, 0.0, 1.0))
-            roll = self.quarter_pitch * (1.0 - turn / math.pi)
-            return RolledFlank(roll, 2.0 * wheel * np.sin(0.5 * turn), 0.5 * (math.pi - turn))
-
-        return [arch]
 
 
 def _from_normals(points: Array, normal: Array, radius: float) -> RolledFlank:

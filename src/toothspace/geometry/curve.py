@@ -48,13 +48,26 @@ def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tu
     breaks : tuple of int
         Index of the last point of every piece but the last.
     """
-    lengths = []
-    for segment in segments:
-        step = np.diff(segment.curve(_fine_parameters()), axis=0)
-        lengths.append(float(np.sum(np.hypot(step[:, 0], step[:, 1]))))
-    scale = sum(lengths)
-    densities = [_density(segment, scale) for segment in segments]
-    totals = np.array([cumulative[-1] for _, cumulative in densities])
+    near = np.geomspace(1e-8, 0.1, _FINE // 3)
+    inner = np.linspace(0.1, 0.9, _FINE // 3)[1:-1]
+    parameter = np.concatenate([[0.0], near, inner, 1.0 - near[::-1], [1.0]])
+    steps = [np.diff(segment.curve(parameter), axis=0) for segment in segments]
+    lengths = [np.hypot(step[:, 0], step[:, 1]) for step in steps]
+    scale = sum(float(np.sum(length)) for length in lengths)
+    # cumulative number of wanted points over the parameter, up to a common factor
+    wanted_up_to = []
+    for segment, step, length in zip(segments, steps, lengths, strict=True):
+        along = np.concatenate([[0.0], np.cumsum(length)])
+        middle, total = 0.5 * (along[1:] + along[:-1]), along[-1]
+        heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+        weight = length * (20.0 / scale + 3.0 / total) + np.abs(np.gradient(heading)) / 0.2
+        density = np.zeros_like(middle)
+        for level, distance in zip(segment.crowding, (middle, total - middle), strict=True):
+            if level > 0.0:
+                density += 1.0 / (distance + scale * 10.0 ** (-3.0 - 1.5 * level))
+        weight = weight + length * density
+        wanted_up_to.append(np.concatenate([[0.0], np.cumsum(weight)]))
+    totals = np.array([cumulative[-1] for cumulative in wanted_up_to])
     # whole shares of the points, two or more a segment, that sum to the count
     wanted = totals / totals.sum() * count
     shares = np.maximum(np.floor(wanted).astype(int), 2)
@@ -66,37 +79,13 @@ def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tu
     shares[int(np.argmax(shares))] += count - int(shares.sum())
     counts = [int(value) for value in shares]
     points, breaks = [segments[0].curve(np.zeros(1))], [0]
-    for segment, (parameter, cumulative), pieces in zip(segments, densities, counts, strict=True):
+    for segment, cumulative, pieces in zip(segments, wanted_up_to, counts, strict=True):
         levels = cumulative[-1] * np.arange(1, pieces + 1) / pieces
         chosen = np.interp(levels, cumulative, parameter)
         chosen[-1] = 1.0
         points.append(segment.curve(chosen))
         breaks.append(breaks[-1] + pieces)
     return np.vstack(points), tuple(breaks[1:-1])
-
-
-def _fine_parameters() -> Array:
-    near = np.geomspace(1e-8, 0.1, _FINE // 3)
-    return np.concatenate([[0.0], near, np.linspace(0.1, 0.9, _FINE // 3)[1:-1], 1.0 - near[::-1],
-                           [1.0]])  # fmt: skip
-
-
-def _density(segment: CurveSegment, scale: float) -> tuple[Array, Array]:
-    # cumulative number of wanted points over the parameter, up to a common factor
-    parameter = _fine_parameters()
-    step = np.diff(segment.curve(parameter), axis=0)
-    length = np.hypot(step[:, 0], step[:, 1])
-    along = np.concatenate([[0.0], np.cumsum(length)])
-    middle, total = 0.5 * (along[1:] + along[:-1]), along[-1]
-    heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    turning = np.abs(np.gradient(heading)) / 0.2
-    even = length * (20.0 / scale + 3.0 / total)
-    density = np.zeros_like(middle)
-    for level, distance in zip(segment.crowding, (middle, total - middle), strict=True):
-        if level > 0.0:
-            density += 1.0 / (distance + scale * 10.0 ** (-3.0 - 1.5 * level))
-    weight = even + turning + length * density
-    return parameter, np.concatenate([[0.0], np.cumsum(weight)])
 
 
 def without_repeats(points: Array, tolerance: float = 0.0) -> Array:

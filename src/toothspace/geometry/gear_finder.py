@@ -141,7 +141,8 @@ def find_in_files(
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
-        Axis and plane of gears in solid files, layer of plane ones; None to find them.
+        Axis and plane of gears in solid files, layer of plane ones, bodies that do not count; None
+        to find them.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []
@@ -161,7 +162,13 @@ def find_in_files(
         rings += found.rings
     if not gears and not rings:
         raise refused[0]
-    return FileContents(_by_size(gears), tuple(others), _by_size(rings))
+    out = set(request.left_out) if request else set()
+
+    def counts(body: FoundGear | PlainBody) -> bool:
+        return not isinstance(body.file, Path) or (body.file.name, body.body) not in out
+
+    gears, rings = (list(filter(counts, bodies)) for bodies in (gears, rings))
+    return FileContents(_by_size(gears), tuple(filter(counts, others)), _by_size(rings))
 
 
 def _plain(path: Path, sections: Iterable[BodySection]) -> list[PlainBody]:
@@ -209,7 +216,12 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
     try:
         detected = gear_profile_from_curve(outline, key=str(path))
     except GeometryError as error:
-        said = f" ({_place(cut)})"
+        low, high = (1e3 * value for value in cut.extent)
+        along = ", ".join(f"{value:.4g}" for value in cut.axis)
+        said = (
+            f" (section of body {cut.body} at {cut.height * 1e3:.5g} mm of its extent {low:.5g} to "
+            f"{high:.5g} mm along ({along}); profile_axis and profile_plane choose another)"
+        )
         raise error.changed(lambda one: one._replace(allowed=one.allowed + said)) from error
     low, high = cut.teeth_extent or (0.0, 0.0)
     gear = FoundGear(
@@ -227,19 +239,16 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
     distance = cut.height - cut.second_height
     if second is None or distance == 0.0:
         return gear
+    # change of tip circle or size between two sections over their distance
+    curves = [curve - np.array(detected.center) for curve in (outline, second)]
+    tips = [float(np.hypot(*curve.T).max()) for curve in curves]
+    sizes = [float(np.sqrt(abs(signed_area(curve)) / np.pi)) for curve in curves]
+    change = max(abs(tips[0] - tips[1]), abs(sizes[0] - sizes[1]))
+    angle = float(np.arctan(change / abs(distance)))
     return replace(
         gear,
         helix_angle=_helix_angle(detected, outline, second, distance),
-        taper=_taper(detected, outline, second, distance),
-    )
-
-
-def _place(cut: BodySection) -> str:
-    low, high = (1e3 * value for value in cut.extent)
-    along = ", ".join(f"{value:.4g}" for value in cut.axis)
-    return (
-        f"section of body {cut.body} at {cut.height * 1e3:.5g} mm of its extent {low:.5g} to "
-        f"{high:.5g} mm along ({along}); profile_axis and profile_plane choose another"
+        taper=_certain(angle, change, detected, second),
     )
 
 
@@ -254,15 +263,6 @@ def _helix_angle(detected: DetectedGear, outline: Array, second: Array, distance
     turn = (first - last + 0.5 * pitch) % pitch - 0.5 * pitch
     radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
     return _certain(float(np.arctan(radius * turn / distance)), radius * turn, detected, second)
-
-
-def _taper(detected: DetectedGear, outline: Array, second: Array, distance: float) -> float:
-    """Change of tip circle or size between two sections over their distance, as an angle. [rad]."""
-    curves = [curve - np.array(detected.center) for curve in (outline, second)]
-    tips = [float(np.hypot(*curve.T).max()) for curve in curves]
-    sizes = [float(np.sqrt(abs(signed_area(curve)) / np.pi)) for curve in curves]
-    change = max(abs(tips[0] - tips[1]), abs(sizes[0] - sizes[1]))
-    return _certain(float(np.arctan(change / abs(distance))), change, detected, second)
 
 
 def _certain(angle: float, shift: float, detected: DetectedGear, second: Array) -> float:

@@ -93,7 +93,11 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "found.npz"
         whole = {"file": str(path.resolve()), "target": str(target), **order}
-        done = _run(path, json.dumps(whole))
+        try:
+            done = run_python(_READER, given=json.dumps(whole), longest=TIME_LIMIT)
+        except subprocess.TimeoutExpired as error:
+            found = f"a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read"
+            raise GeometryError(path, found, "a smaller one") from error
         if done.returncode == REFUSED:
             text = done.stdout.strip().splitlines()[-1]
             raise GeometryError(text.replace(str(path.resolve()), str(path)))
@@ -110,17 +114,6 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
 def _format(path: Path) -> str:
     name = path.suffix.lstrip(".").upper()
     return "STEP" if name == "STP" else name
-
-
-def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
-    try:
-        return run_python(_READER, given=order, longest=TIME_LIMIT)
-    except subprocess.TimeoutExpired as error:
-        raise GeometryError(
-            path,
-            f"a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read",
-            "a smaller one",
-        ) from error
 
 
 def packed(sections: list[BodySection]) -> dict[str, Any]:

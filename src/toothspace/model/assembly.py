@@ -274,7 +274,6 @@ def assemble(
         **_work(sizes),
     )
     pattern = _pattern(arrays)
-    _join_circuit(arrays, pattern)
     size = arrays.size
     # where states depend on the unknowns: masses on gas and on motions that change a volume
     basis = np.eye(size.core, dtype=bool)
@@ -382,8 +381,8 @@ def _drive(
             row[col.ADDED_FRICTION] = startup.law == "additive"
             row[col.FROM_INTERFACES] = startup.law == "interfaces"
             row[col.SEAL_RATIO] = startup.seal_ratio
-    speed, load = condition.schedules
-    row[[col.SPEED_KNOT, col.SPEED_KNOTS]] = tables.add(speed)
+    load = np.zeros((0, 2)) if shaft is None else shaft.load_history
+    row[[col.SPEED_KNOT, col.SPEED_KNOTS]] = tables.add(condition.speed_schedule)
     row[[col.LOAD_KNOT, col.LOAD_KNOTS]] = tables.add(load)
     drag = lateral_drag(description)
     driven = [body for body in description.bodies if body.role == "driven"]
@@ -455,8 +454,8 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     pattern = np.zeros((size.total, size.core), dtype=bool)
     np.fill_diagonal(pattern, True)
     pattern[0, 1] = True
-    columns = [_columns(arrays, node) for node in range(size.nodes)]
-    rows = [_rows(arrays, node) for node in range(size.nodes)]
+    columns = [[size.mass + int(d)] if d >= 0 else [] for d in arrays.dynamic_index]
+    rows = [[int(row) for row in balance] for balance in arrays.balance]
     # paths of a family share their table
     tables = {int(table) for table in arrays.paths.table}
     heights = {table: _moved(arrays, table, col.HEIGHT_BY_MOTION) for table in tables}
@@ -480,6 +479,18 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         pattern[np.ix_(velocities, columns[i])] = True
     pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, col.PORT_AREA])]
     pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
+    # what circuit elements and an elastic coupling join
+    coupled = [1, *range(size.load, size.core)]
+    pattern[np.ix_(coupled, coupled)] = True
+    for element in arrays.elements:
+        a, b = int(element[net.END_A]), int(element[net.END_B])
+        ends = [*columns[a], *columns[b]]
+        if element[net.STATES] > 0.0:
+            place = size.column + int(element[net.FIRST_STATE])
+            own = list(range(place, place + int(element[net.STATES])))
+            pattern[np.ix_(own, [*own, *ends])] = True
+            ends.append(place)
+        pattern[np.ix_([*rows[a], *rows[b]], ends or [0])] = True
     return pattern
 
 
@@ -490,31 +501,6 @@ def _moved(arrays: SystemArrays, table: int, first: int) -> list[int]:
     used = np.any(block.reshape(-1, channels) != 0.0, axis=0)
     motions = range(min(arrays.size.motions, channels - first))
     return [arrays.size.position + k for k in motions if used[first + k]]
-
-
-def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
-    """Add what circuit elements and an elastic coupling join."""
-    size = arrays.size
-    coupled = [1, *range(size.load, size.core)]
-    pattern[np.ix_(coupled, coupled)] = True
-    for element in arrays.elements:
-        a, b = int(element[net.END_A]), int(element[net.END_B])
-        columns = [*_columns(arrays, a), *_columns(arrays, b)]
-        if element[net.STATES] > 0.0:
-            place = size.column + int(element[net.FIRST_STATE])
-            own = list(range(place, place + int(element[net.STATES])))
-            pattern[np.ix_(own, [*own, *columns])] = True
-            columns.append(place)
-        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns or [0])] = True
-
-
-def _columns(arrays: SystemArrays, node: int) -> list[int]:
-    d = int(arrays.dynamic_index[node])
-    return [arrays.size.mass + d] if d >= 0 else []
-
-
-def _rows(arrays: SystemArrays, node: int) -> list[int]:
-    return [int(row) for row in arrays.balance[node]]
 
 
 def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) -> float:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
@@ -21,6 +22,7 @@ import numpy as np
 from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.finding import DesignCheck
 from toothspace.core.keys import quantity
+from toothspace.core.lazy import Lazy
 from toothspace.core.types import Array
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.film_faces import FacePlaces, FilmFace, SharedFaces
@@ -173,8 +175,8 @@ class LumpedLateralFilm:
     """Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]"""
     tilt: float = 0.0
     """Change of height at the outer radius over the height at the axis (0 parallel). [-]"""
-    face: FilmFace | None = None
-    """What stands before its faces, if the machine type gives it."""
+    face: Lazy[FilmFace] | None = None
+    """Gives what stands before its faces, for solving it on a grid, if the machine type can."""
     drag: float | None = None
     """Torque per viscosity and speed of the body on one face, in place of the closed form. [m3]"""
     asperity_share: float = 0.0
@@ -257,8 +259,8 @@ class MachineDescription:
         Absolute pressure of an external drain. [Pa]
     running_in : RunningIn or None
         Condition of running-in; None leaves the casing as made.
-    lateral_balance : LateralBalance or None
-        Films beside the gears and the floating bearing; None without.
+    floating : Lazy or None
+        Gives the films beside the gears with the floating bearing, see :attr:`lateral_balance`.
     lateral_table : LateralTable or None
         Drag and leakage beside the gears over the load on that bearing, for closed-form films.
     shared_faces : SharedFaces or None
@@ -301,7 +303,7 @@ class MachineDescription:
     drain: Literal["inlet", "outlet", "external"] = "inlet"
     drain_pressure: float = 1e5
     running_in: RunningIn | None = None
-    lateral_balance: LateralBalance | None = None
+    floating: Lazy[LateralBalance] | None = None
     lateral_table: LateralTable | None = None
     shared_faces: SharedFaces | None = None
     face_places: FacePlaces | None = None
@@ -311,6 +313,23 @@ class MachineDescription:
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: Sequence[DesignCheck] = ()
     as_drawn: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def lateral_balance(self) -> LateralBalance | None:
+        """Films beside the gears and the floating bearing, made when asked first; None without.
+
+        Raises GeometryError if loads stand beside the bearing or areas do not fit on it.
+        """
+        return None if self.floating is None else self.floating.value
+
+    @property
+    def known_faces(self) -> dict[str, FilmFace]:
+        """What stands before the faces of bodies, where the machine type gives it."""
+        return {film.body: film.face.value for film in self.laterals if film.face is not None}
+
+    def with_balance(self, balance: LateralBalance) -> MachineDescription:
+        """Machine with another floating bearing."""
+        return replace(self, floating=Lazy(partial(replace, balance)))
 
     @property
     def chamber_count(self) -> int:
@@ -381,22 +400,21 @@ class MachineDescription:
 
     def with_running_in(self, depths: Mapping[str, Array]) -> MachineDescription:
         """Deepen wearing gaps by running-in depths of each body at their table nodes. [m]."""
-        paths = tuple(
-            _deepened(p, depths[p.worn_by]) if p.worn_by and p.worn_by in depths else p
-            for p in self.paths
-        )
-        return replace(self, paths=paths)
 
+        def deeper(table: PeriodicTable, depth: Array) -> PeriodicTable:
+            step = table.period / table.values.shape[0]
+            values, slopes = table.values.copy(), table.slopes.copy()
+            values[:, 0] += depth
+            slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
+            return PeriodicTable(table.period, values, slopes)
 
-def _deepened(path: FlowPath, depth: Array) -> FlowPath:
-    def deeper(table: PeriodicTable) -> PeriodicTable:
-        step = table.period / table.values.shape[0]
-        values, slopes = table.values.copy(), table.slopes.copy()
-        values[:, 0] += depth
-        slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
-        return PeriodicTable(table.period, values, slopes)
-
-    return replace(path, geometry=deeper(path.geometry), own=tuple(map(deeper, path.own)))
+        paths = list(self.paths)
+        for k, path in enumerate(paths):
+            depth = depths.get(path.worn_by or "")
+            if depth is not None:
+                own = tuple(deeper(table, depth) for table in path.own)
+                paths[k] = replace(path, geometry=deeper(path.geometry, depth), own=own)
+        return replace(self, paths=tuple(paths))
 
 
 if TYPE_CHECKING:
@@ -452,11 +470,43 @@ def angle_tables(
     motions: Sequence[Motion],
 ) -> list[AngleTable]:
     """List every table of a machine: chamber families, flow paths, contacts."""
-    return [
-        *(_family_table(family, motions) for family in families),
-        *(_path_table(path, motions) for path in paths),
-        *(_contact_table(contact, motions) for contact in contacts),
-    ]
+    found: list[AngleTable] = []
+
+    def add(
+        meaning: str, part: ChamberFamily | FlowPath | ContactPair, columns: list[Column]
+    ) -> None:
+        nodes = _nodes(part.volume if isinstance(part, ChamberFamily) else part.geometry)
+        columns = [Column("angle", "rad", nodes), *columns]
+        found.append(AngleTable(part.name, meaning, part.angle_ratio, part.phases, tuple(columns)))
+
+    for family in families:
+        columns = [
+            Column("volume", "m3", family.volume.values[:, 0]),
+            Column("volume_slope", "m3/rad", family.volume.slopes[:, 0]),
+        ]
+        by_motion = family.volume_by_motion(_nodes(family.volume))
+        columns += _motion_columns("volume", by_motion, motions, ("m2", "m3/rad"))
+        add("chamber family", family, columns)
+    for path in paths:
+        nodes = _nodes(path.geometry)
+        columns = _channel_columns(PATH_CHANNELS[path.kind], path.geometry)
+        for name, table in (("drag_speed", path.drag_speed), ("shear_speed", path.shear_speed)):
+            if table is not None:
+                columns.append(Column(name, "m/rad", table(nodes)[:, 0]))
+        if path.height_by_motion is not None:
+            by_motion = path.height_by_motion(nodes)
+            columns += _motion_columns("height", by_motion, motions, ("1", "m/rad"))
+        add(f"{path.kind} path ({path.category.name})", path, columns)
+    for contact in contacts:
+        nodes = _nodes(contact.geometry)
+        columns = _channel_columns(CONTACT_CHANNELS, contact.geometry)
+        columns += _motion_columns("gap", contact.gap_by_motion(nodes), motions, ("1", "m/rad"))
+        if contact.gap_by_shift_and_turn is not None:
+            second = contact.gap_by_shift_and_turn(nodes)
+            names = ("gap_by_shifts", "1/m"), ("gap_by_shift_and_turn", "1"), ("gap_by_turns", "m")
+            columns += [Column(*n, v) for n, v in zip(names, second.T, strict=True)]
+        add(f"contact of {contact.body_a} and {contact.body_b}", contact, columns)
+    return found
 
 
 def tables_dataset(
@@ -493,52 +543,9 @@ def tables_dataset(
     return dataset
 
 
-def _family_table(family: ChamberFamily, motions: Sequence[Motion]) -> AngleTable:
-    nodes = _nodes(family.volume)
-    columns = [
-        Column("volume", "m3", family.volume.values[:, 0]),
-        Column("volume_slope", "m3/rad", family.volume.slopes[:, 0]),
-        *_motion_columns("volume", family.volume_by_motion(nodes), motions, ("m2", "m3/rad")),
-    ]
-    return _angle_table("chamber family", family, nodes, columns)
-
-
-def _path_table(path: FlowPath, motions: Sequence[Motion]) -> AngleTable:
-    nodes = _nodes(path.geometry)
-    columns = _channel_columns(PATH_CHANNELS[path.kind], path.geometry)
-    for name, table in (("drag_speed", path.drag_speed), ("shear_speed", path.shear_speed)):
-        if table is not None:
-            columns.append(Column(name, "m/rad", table(nodes)[:, 0]))
-    if path.height_by_motion is not None:
-        columns += _motion_columns("height", path.height_by_motion(nodes), motions, ("1", "m/rad"))
-    return _angle_table(f"{path.kind} path ({path.category.name})", path, nodes, columns)
-
-
-def _contact_table(contact: ContactPair, motions: Sequence[Motion]) -> AngleTable:
-    nodes = _nodes(contact.geometry)
-    columns = _channel_columns(CONTACT_CHANNELS, contact.geometry)
-    columns += _motion_columns("gap", contact.gap_by_motion(nodes), motions, ("1", "m/rad"))
-    if contact.gap_by_shift_and_turn is not None:
-        second = contact.gap_by_shift_and_turn(nodes)
-        names = ("gap_by_shifts", "1/m"), ("gap_by_shift_and_turn", "1"), ("gap_by_turns", "m")
-        columns += [Column(*n, v) for n, v in zip(names, second.T, strict=True)]
-    meaning = f"contact of {contact.body_a} and {contact.body_b}"
-    return _angle_table(meaning, contact, nodes, columns)
-
-
 def _nodes(table: PeriodicTable) -> Array:
     count = table.values.shape[0]
     return table.period * np.arange(count) / count
-
-
-def _angle_table(
-    meaning: str,
-    part: ChamberFamily | FlowPath | ContactPair,
-    nodes: Array,
-    columns: Sequence[Column],
-) -> AngleTable:
-    angle = Column("angle", "rad", nodes)
-    return AngleTable(part.name, meaning, part.angle_ratio, part.phases, (angle, *columns))
 
 
 def _channel_columns(names: Sequence[str], table: PeriodicTable) -> list[Column]:

@@ -120,20 +120,17 @@ def _columns(path: Path | Columns, header: list[str]) -> dict[str, tuple[int, st
         name, unit = match[1], _POWER.sub(r"^\1", match[2])
         if name not in known or name in found:
             _fail(path, f"column {name}, row 1", repr(name), "each once: " + ", ".join(known))
-        if not _fits(unit, known[name]):
+        try:
+            fits = compatible(unit, known[name])
+        except CaseError:
+            fits = False
+        if not fits:
             _fail(path, f"column {name}, row 1", repr(unit), f"a unit such as {known[name]}")
         found[name] = (position, unit)
     for name in REQUIRED:
         if name not in found:
             _fail(path, f"column {name}, row 1", "none", "a column " + name)
     return found
-
-
-def _fits(unit: str, wanted: str) -> bool:
-    try:
-        return compatible(unit, wanted)
-    except CaseError:
-        return False
 
 
 def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:

@@ -136,7 +136,8 @@ def lateral_lookup(
     description: MachineDescription, nodes: int, loads: SampledLoads | None
 ) -> LateralLookup:
     """Table of the lateral films of a machine as compiled code reads it, for so many nodes."""
-    table, balance = description.lateral_table, description.lateral_balance
+    table = description.lateral_table
+    balance = None if table is None else description.lateral_balance
     if table is None or balance is None or loads is None:
         return no_lookup()
     counts = np.array([axis.size for axis in table.axes], dtype=np.int64)
@@ -158,9 +159,9 @@ def lateral_lookup(
 
 def sampled_loads(description: MachineDescription) -> SampledLoads | None:
     """Loads on the floating bearing over one pitch; None without tabulated lateral films."""
-    balance = description.lateral_balance
-    if description.lateral_table is None or balance is None:
+    if description.lateral_table is None or description.lateral_balance is None:
         return None
+    balance = description.lateral_balance
     nodes = description.drain_node + 1
     angles = (np.arange(_SAMPLES) + 0.5) * load_period(balance) / _SAMPLES
     weights = np.stack([load_weights(balance, float(a), nodes) for a in angles])

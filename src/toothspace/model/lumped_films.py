@@ -13,7 +13,9 @@ import numpy as np
 from toothspace.closures.bearing_map import JournalMap, build_journal_map
 from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.closures.gap_flow import lateral_film_torque
-from toothspace.core.compiled import njit
+from toothspace.core.compilation.library import way
+from toothspace.core.compiled import cache_root, digest_of_sources, njit
+from toothspace.core.files import keep_arrays, load_arrays
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.description import (
@@ -26,6 +28,8 @@ from toothspace.numerics.periodic_table import cubic_coefficients
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
+_MOST_MAPS = 40
+"""Most film maps of bearings that are kept on disk."""
 LONG = 1e4
 """Length over diameter that stands for walls at both ends. [-]"""
 
@@ -51,13 +55,19 @@ def journal_data(
     """Collect the data of the bearings whose bodies are free to move, then of moving blocks."""
     carried = [j for j in description.journals if j.body in bush]
     journals = [*carried, *((blocks.film,) if blocks else ())]
+    # bearings with one key have one film map; walls at the ends make a bearing long
     shapes: dict[Any, JournalMap] = {}
+    keys: list[Any] = []
     for journal in journals:
-        shape = _journal_map(_slenderness(journal))
+        open_ended = journal.end_condition != "no_flow"
+        key: Any = round(journal.length / journal.diameter, 9) if open_ended else LONG
+        shape = _journal_map(key)
         if journal.solved is not None:
-            shape = shape._replace(nodes=journal.solved.force_nodes)
-        shapes[_map_key(journal)] = shape
-    places = [list(shapes).index(_map_key(journal)) for journal in journals]
+            nodes = journal.solved.force_nodes
+            key, shape = id(nodes), shape._replace(nodes=nodes)
+        keys.append(key)
+        shapes[key] = shape
+    places = [list(shapes).index(key) for key in keys]
     maps = list(shapes.values()) or [_journal_map(1.0)]
     bodies = {body.name: body for body in description.bodies}
     turning = ((place, description.motions[k]) for place, k in enumerate(free))
@@ -120,20 +130,15 @@ def journal_data(
 
 @lru_cache(maxsize=8)
 def _journal_map(slenderness: float) -> JournalMap:
-    # a tenth of a second each; runs against an orifice assemble their machine more than once
-    return build_journal_map(slenderness)
-
-
-def _map_key(journal: LumpedJournalBearing) -> Any:
-    """Bearings with one key have one film map."""
-    return _slenderness(journal) if journal.solved is None else id(journal.solved.force_nodes)
-
-
-def _slenderness(journal: LumpedJournalBearing) -> float:
-    """Length over diameter that the film map is made for; walls at the ends make it long."""
-    if journal.end_condition == "no_flow":
-        return LONG
-    return round(journal.length / journal.diameter, 9)
+    # a tenth of a second each; code of the library and of a compiler differ in the last digits
+    name = f"{slenderness}-{way()}-{digest_of_sources()}.npz"
+    path = cache_root() / "journal-maps" / name
+    kept = load_arrays(path)
+    if kept is not None:
+        return JournalMap(kept["nodes"], float(kept["logarithm_step"]), slenderness)
+    found = build_journal_map(slenderness)
+    keep_arrays(path, found._asdict(), _MOST_MAPS)
+    return found
 
 
 def _asperity_tables(journal: LumpedJournalBearing, span: float) -> tuple[Array, Array, Array]:
@@ -142,13 +147,16 @@ def _asperity_tables(journal: LumpedJournalBearing, span: float) -> tuple[Array,
     The shear is that over the closed form. [N, N, -]
     """
     ratios = np.linspace(0.0, span, _INTERVALS + 1)
-    force, load = _asperity_integrals(
+    force, load = np.zeros((2, ratios.size))
+    _asperity_integrals(
         ratios,
         journal.radial_clearance,
         journal.roughness,
         journal.correlation_length,
         journal.effective_modulus,
         journal.hardness,
+        force,
+        load,
     )
     area = journal.count * 0.5 * journal.diameter * journal.length
     shear = np.ones_like(ratios)
@@ -167,8 +175,9 @@ def _asperity_integrals(
     correlation_length: float,
     effective_modulus: float,
     hardness: float,
-) -> tuple[Array, Array]:
-    force, load = np.zeros(ratios.size), np.zeros(ratios.size)
+    force: Array,
+    load: Array,
+) -> None:
     step = 2.0 * np.pi / _CIRCUMFERENCE_POINTS
     for i in range(ratios.size):
         for k in range(_CIRCUMFERENCE_POINTS):
@@ -181,7 +190,6 @@ def _asperity_integrals(
             )
             force[i] += p * cosine * step
             load[i] += p * step
-    return force, load
 
 
 def _spline(values: Array) -> Array:

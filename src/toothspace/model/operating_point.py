@@ -57,13 +57,6 @@ class OperatingCondition:
         """Whether speed or circuit are meant to change over time."""
         return self.free_shaft is not None or len(self.speed_schedule) > 0
 
-    @property
-    def schedules(self) -> tuple[Array, Array]:
-        """Prescribed shaft speed [rad/s] and torque of the load [N m], each over the time [s]."""
-        if self.free_shaft is None:
-            return self.speed_schedule, np.zeros((0, 2))
-        return self.speed_schedule, self.free_shaft.load_history
-
     def port_pressures(self, drain: str) -> Array:
         """Pressures of inlet, outlet and drain, joined to a port or outside. [Pa]."""
         known = {"inlet": self.inlet_pressure, "outlet": self.outlet_pressure}

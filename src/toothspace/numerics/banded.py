@@ -117,7 +117,7 @@ def _multipliers(flat: Single, place: int, panel: tuple[Any, ...]) -> tuple[Any,
     return f0, f1, f2, f3
 
 
-@njit(nogil=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+@njit(nogil=True, fastmath={"contract", "reassoc"}, error_model="numpy", _nrt=False)
 def factor_band(band: Single, lanes: int) -> None:
     """Triangular factors in place, without exchange of rows.
 
@@ -227,9 +227,8 @@ def solve_bands(band: Single, factored: Array, stencil: Array, rhs: Array, shift
 
 
 @njit(nogil=True, fastmath={"contract"})
-def stencil_products(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
+def stencil_products(stencil: Array, x: Array, rows: int, lanes: int, y: Array) -> None:
     """Products of a five-point matrix on a ring and several vectors in grid order, one per row."""
-    y = np.empty(x.shape)
     for i in range(rows):
         west = (i + rows - 1) % rows
         east = (i + 1) % rows
@@ -244,9 +243,10 @@ def stencil_products(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
                 if j < lanes - 1:
                     total += stencil[r, 3] * x[k, r + 1]
                 y[k, r] = total
-    return y
 
 
 def stencil_product(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
     """Product of a five-point matrix on a ring and one vector in grid order."""
-    return np.asarray(stencil_products(stencil, x.reshape(1, -1), rows, lanes)[0])
+    found = np.empty((1, x.size))
+    stencil_products(stencil, x.reshape(1, -1), rows, lanes, found)
+    return found[0]

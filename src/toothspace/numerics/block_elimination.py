@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.numerics.banded import stencil_products
-from toothspace.numerics.krylov import combined, extend, first_column
+from toothspace.numerics.krylov import combine, extend
 from toothspace.numerics.linear_system import (
     LEAST_CORRECTION,
     PRESCRIBED,
@@ -135,17 +135,15 @@ def _invert(block: Single, lead: Single, pivot: Single) -> None:
 
 
 @njit(nogil=True, error_model="numpy")
-def _scaled(stencil: Array, rows: int, lanes: int) -> tuple[Single, Array]:
+def _scale(stencil: Array, coupling: Single, inverse: Array) -> None:
     """Coefficients of the neighbours over that of the centre, and the inverse of the latter."""
-    coupling = np.empty((4, rows, lanes), dtype=np.float32)
-    inverse = np.empty(rows * lanes)
+    _, rows, lanes = coupling.shape
     for i in range(rows):
         for j in range(lanes):
             r = i * lanes + j
             inverse[r] = 1.0 / stencil[r, 2]
             for k in range(4):
                 coupling[k, i, j] = stencil[r, k + k // 2] * inverse[r]
-    return coupling, inverse
 
 
 @njit(nogil=True, error_model="numpy")
@@ -164,10 +162,9 @@ def _units(inverse: Array, stencil: Array) -> Array:
 
 
 @njit(nogil=True)
-def _spans(kind: IntArray) -> IntArray:
+def _spans(kind: IntArray, out: IntArray) -> None:
     """First lane, number of lanes, padded width and place in store of the block of every row."""
     rows, lanes = kind.shape
-    out = np.zeros((rows + 1, 4), dtype=np.int64)
     for i in range(rows):
         low, high = 0, lanes
         while low < lanes and kind[i, low] == 2:
@@ -178,15 +175,14 @@ def _spans(kind: IntArray) -> IntArray:
         width = (size + 15) // 16 * 16
         out[i, 0], out[i, 1], out[i, 2] = low, size, width
         out[i + 1, 3] = out[i, 3] + size * width
-    return out
 
 
 @njit(nogil=True, fastmath=True, error_model="numpy")
-def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> None:
+def _eliminate(
+    coupling: Single, span: IntArray, cut: int, store: Single, lead: Single, pivot: Single
+) -> None:
     """Inverses of the blocks of all rows, each less what the rows before it took over."""
-    _, rows, lanes = coupling.shape
-    lead = np.zeros((5, lanes + 16), dtype=np.float32)
-    pivot = np.empty((4, 4), dtype=np.float32)
+    rows = coupling.shape[1]
     # begun some rows before the cut: by the time it reaches the first row that counts, the error of
     # having begun from nothing has decayed
     for n in range(rows + _OVERLAP):
@@ -283,10 +279,16 @@ def _refine(
     rows, lanes = blocks.known.shape
     size, effort = sides.shape[1], 0
     basis, images = np.empty((_MOST + 1, size)), np.empty((_MOST, size))
+    projected, product, found = (
+        np.zeros((_MOST + 3, _MOST + 1)),
+        np.empty((1, size)),
+        np.empty(size),
+    )
     for k in range(len(sides)):
         left, former = norm(sides[k]), np.inf
         goal = relative_tolerance * left
-        rest = sides[k] - stencil_products(stencil, x[k : k + 1], rows, lanes)[0]
+        stencil_products(stencil, x[k : k + 1], rows, lanes, product)
+        rest = sides[k] - product[0]
         # a start of another operating point may be worse than none
         if norm(rest) < left:
             left = norm(rest)
@@ -298,17 +300,20 @@ def _refine(
             if not (left > goal and left < STALLED * former):
                 break
             limit = max(_SHARE * goal, LEAST_CORRECTION * left)
-            projected = first_column(_MOST, left)
+            projected[:] = 0.0
+            projected[-1, 0] = left
             put(basis[0], rest / left)
             count, missing = 0, left
             while count < _MOST and missing > limit:
                 put(images[count], _substitute(blocks, unit, basis[count]))
-                w = stencil_products(stencil, images[count : count + 1], rows, lanes)[0]
-                missing = extend(basis, projected, count, w)
+                stencil_products(stencil, images[count : count + 1], rows, lanes, product)
+                missing = extend(basis, projected, count, product[0])
                 count += 1
-            add_scaled(x[k], 1.0, combined(images, projected, count))
+            combine(images, projected, count, found)
+            add_scaled(x[k], 1.0, found)
             effort = max(effort, count)
-            rest = sides[k] - stencil_products(stencil, x[k : k + 1], rows, lanes)[0]
+            stencil_products(stencil, x[k : k + 1], rows, lanes, product)
+            rest = sides[k] - product[0]
             former, left = left, norm(rest)
     return effort
 
@@ -371,11 +376,14 @@ def block_system(
     known = kind == PRESCRIBED
     if isinstance(former, BlockSystem) and former.serves(known):
         return BlockSystem(stencil, former.blocks)
-    span = _spans(kind)
+    span = np.zeros((len(kind) + 1, 4), dtype=np.int64)
+    _spans(kind, span)
     store = np.empty(int(span[-1, 3]), dtype=np.float32)
     cut = (int(np.argmax(known.sum(axis=1))) + 1) % kind.shape[0]
-    coupling, inverse = _scaled(stencil, *kind.shape)
-    _eliminate(coupling, span, cut, store)
+    coupling, inverse = np.empty((4, *kind.shape), dtype=np.float32), np.empty(kind.size)
+    _scale(stencil, coupling, inverse)
+    lead, pivot = np.zeros((5, kind.shape[1] + 16), np.float32), np.empty((4, 4), np.float32)
+    _eliminate(coupling, span, cut, store, lead, pivot)
     if not np.isfinite(store).all():
         return None
     return BlockSystem(stencil, Blocks(coupling, inverse, known, span, store, cut))

@@ -67,7 +67,8 @@ class _Space:
         self._basis = np.empty((_FIRST + 1, rhs.size))
         self._basis[0] = rhs / size if size > 0.0 else rhs
         self._images = np.empty((_FIRST, rhs.size))
-        self._projected = first_column(_FIRST, size)
+        self._projected = np.zeros((_FIRST + 3, _FIRST + 1))
+        self._projected[-1, 0] = size
         self._count = 0
         self._limit = limit
         self.finished = size == 0.0
@@ -94,19 +95,13 @@ class _Space:
 
     def solution(self) -> Array:
         """Combination of the images that leaves the smallest residual."""
-        return np.asarray(combined(self._images, self._projected, self._count))
+        found = np.empty(self._images.shape[1])
+        combine(self._images, self._projected, self._count, found)
+        return found
 
 
 _FIRST = 20
 """Iterations that a Krylov space has room for at first; one that grows is copied. [-]"""
-
-
-@njit(nogil=True)
-def first_column(iterations: int, size: float) -> Array:
-    """Projected problem of a right-hand side of given length, before the first iteration."""
-    projected = np.zeros((iterations + 3, iterations + 1))
-    projected[-1, 0] = size
-    return projected
 
 
 @njit(nogil=True, error_model="numpy")
@@ -138,12 +133,12 @@ def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
 
 
 @njit(nogil=True, error_model="numpy")
-def combined(images: Array, projected: Array, count: int) -> Array:
+def combine(images: Array, projected: Array, count: int, x: Array) -> None:
     """Solution of the triangular system, as a sum of the images."""
-    x, factors = np.zeros(images.shape[1]), projected[-1, :count].copy()
+    factors = projected[-1]
+    x[:] = 0.0
     for m in range(count - 1, -1, -1):
         for k in range(m + 1, count):
             factors[m] -= projected[m, k] * factors[k]
         factors[m] /= projected[m, m]
         add_scaled(x, factors[m], images[m])
-    return x

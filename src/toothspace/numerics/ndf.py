@@ -96,20 +96,15 @@ def _state_at(state: NdfState, time: float, y: Array) -> None:
 
 
 @kernel
-def _write_samples(state: NdfState, record: NdfRecord, limit: float) -> None:
-    next_sample = record.counts[0]
-    while next_sample < record.sample_times.size and record.sample_times[next_sample] <= limit:
-        _state_at(state, record.sample_times[next_sample], record.samples[next_sample])
-        next_sample += 1
-    record.counts[0] = next_sample
-
-
-@kernel
 def _pause(state: NdfState, record: NdfRecord, t_end: float) -> int:
     """Write what lies before the end or an event; return GO_ON or why to return."""
     control = state.control[0]
     limit = min(control.valid_until, t_end)
-    _write_samples(state, record, limit)
+    sample = record.counts[0]
+    while sample < record.sample_times.size and record.sample_times[sample] <= limit:
+        _state_at(state, record.sample_times[sample], record.samples[sample])
+        sample += 1
+    record.counts[0] = sample
     stop = control.pending == STOP_AT_EVENT
     if control.valid_until < t_end and control.pending == _NOTHING:
         return GO_ON
@@ -118,16 +113,6 @@ def _pause(state: NdfState, record: NdfRecord, t_end: float) -> int:
         control.pending = RESTART_AT_EVENT
         return TERMINAL_EVENT
     return DONE if control.valid_until >= t_end else GO_ON
-
-
-@kernel
-def _reset(state: NdfState, t0: float, y0: Array) -> None:
-    control = state.control[0]
-    state.differences[:, :] = 0.0
-    copy(y0, state.differences[0])
-    control.time = control.valid_until = t0
-    control.order = control.next_order = 1
-    control.equal_steps = control.pending = control.rate_known = control.carried_lately = 0
 
 
 @kernel
@@ -205,11 +190,36 @@ def bind(callbacks: NdfCallbacks) -> NdfFunctions:
     callbacks : NdfCallbacks
         Compiled functions of the problem.
     """
-    begin = _bind_begin(callbacks)
-    return NdfFunctions(_bind_initial_state(begin), _bind_advance(callbacks, begin))
+    rhs, finish, jacobian, weights, event_values, carry = callbacks
+    find_events = _bind_events(event_values)
 
+    @kernel
+    def begin(
+        params: Any,
+        program: LuProgram,
+        settings: NdfSettings,
+        state: NdfState,
+        t0: float,
+        y0: Array,
+    ) -> None:
+        control = state.control[0]
+        state.differences[:, :] = 0.0
+        copy(y0, state.differences[0])
+        control.time = control.valid_until = t0
+        control.order = control.next_order = 1
+        control.equal_steps = control.pending = control.rate_known = control.carried_lately = 0
+        start, slope = state.differences[0], state.work[4]
+        weights(t0, start, params, state.weights)
+        rhs(t0, start, params, slope)
+        jacobian(t0, start, params, state.jacobian, state.basis)
+        note_jacobian(state)
+        _first_step(program, settings, state, 0)
+        rhs(t0 + control.step, start, params, slope)
+        _first_step(program, settings, state, 1)
+        control.rhs_calls += 2
+        if settings.event_actions.size > 0:
+            event_values(t0, start, params, state.events[0])
 
-def _bind_initial_state(begin: Compiled) -> Compiled:
     @kernel
     def initial_state(
         params: Any,
@@ -224,14 +234,6 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
         control.steps = control.rejected = control.rhs_calls = control.jacobian_calls = 0
         control.factorisations = control.newton_failures = 0
         begin(params, program, settings, state, t0, y0)
-
-    return initial_state
-
-
-def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
-    rhs, finish, jacobian = callbacks.rhs, callbacks.finish, callbacks.jacobian
-    carry = callbacks.carry
-    find_events = _bind_events(callbacks.event_values)
 
     @kernel
     def advance(
@@ -274,40 +276,32 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
             if settings.event_actions.size > 0:
                 find_events(params, settings, state, record)
 
-    return advance
-
-
-def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
-    rhs, _, jacobian, weights, event_values, _ = callbacks
-
-    @kernel
-    def begin(
-        params: Any,
-        program: LuProgram,
-        settings: NdfSettings,
-        state: NdfState,
-        t0: float,
-        y0: Array,
-    ) -> None:
-        control = state.control[0]
-        _reset(state, t0, y0)
-        start, slope = state.differences[0], state.work[4]
-        weights(t0, start, params, state.weights)
-        rhs(t0, start, params, slope)
-        jacobian(t0, start, params, state.jacobian, state.basis)
-        note_jacobian(state)
-        _first_step(program, settings, state, 0)
-        rhs(t0 + control.step, start, params, slope)
-        _first_step(program, settings, state, 1)
-        control.rhs_calls += 2
-        if settings.event_actions.size > 0:
-            event_values(t0, start, params, state.events[0])
-
-    return begin
+    return NdfFunctions(initial_state, advance)
 
 
 def _bind_events(event_values: Compiled) -> Compiled:
-    locate = _bind_locate(event_values)
+    @kernel
+    def locate(params: Any, state: NdfState, event: int) -> float:
+        """Bracket a sign change in the last step; return the end that has the new sign."""
+        control = state.control[0]
+        trial_values, trial_state = state.events[2], state.work[3]
+        low, high = control.time - control.step, control.time
+        g_low, g_high = state.events[0, event], state.events[1, event]
+        rising = g_high >= 0.0
+        accuracy = 4e-16 * max(abs(low), abs(high))
+        for trial in range(_EVENT_BITS):
+            if high - low <= accuracy:
+                break
+            middle = (
+                0.5 * (low + high) if trial % 3 == 2 else false_position(low, g_low, high, g_high)
+            )
+            _state_at(state, middle, trial_state)
+            event_values(middle, trial_state, params, trial_values)
+            if (trial_values[event] >= 0.0) == rising:
+                high, g_high = middle, trial_values[event]
+            else:
+                low, g_low = middle, trial_values[event]
+        return high
 
     @kernel
     def find_events(params: Any, settings: NdfSettings, state: NdfState, record: NdfRecord) -> None:
@@ -332,30 +326,3 @@ def _bind_events(event_values: Compiled) -> Compiled:
             before[e] = after[e]
 
     return find_events
-
-
-def _bind_locate(event_values: Compiled) -> Compiled:
-    @kernel
-    def locate(params: Any, state: NdfState, event: int) -> float:
-        """Bracket a sign change in the last step; return the end that has the new sign."""
-        control = state.control[0]
-        trial_values, trial_state = state.events[2], state.work[3]
-        low, high = control.time - control.step, control.time
-        g_low, g_high = state.events[0, event], state.events[1, event]
-        rising = g_high >= 0.0
-        accuracy = 4e-16 * max(abs(low), abs(high))
-        for trial in range(_EVENT_BITS):
-            if high - low <= accuracy:
-                break
-            middle = (
-                0.5 * (low + high) if trial % 3 == 2 else false_position(low, g_low, high, g_high)
-            )
-            _state_at(state, middle, trial_state)
-            event_values(middle, trial_state, params, trial_values)
-            if (trial_values[event] >= 0.0) == rising:
-                high, g_high = middle, trial_values[event]
-            else:
-                low, g_low = middle, trial_values[event]
-        return high
-
-    return locate

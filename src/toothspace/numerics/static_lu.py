@@ -133,17 +133,18 @@ def _analysed(pattern_bytes: bytes, basis_bytes: bytes, n: int) -> LuProgram:
     rank = np.argsort(order)
     ledger_rows, ledger_columns = np.nonzero(pattern[n:])
     basis_rows, basis_columns = np.nonzero(basis & ~np.eye(n, dtype=bool))
+    counts = np.bincount(ledger_rows, minlength=n_total - n)
     return LuProgram(
         order=_index(order),
         dense=np.array([int(filled.mean() > _DENSE_SHARE)]),
         packed_size=np.array([int(filled.sum())]),
         source=_index(rows * n + columns),
         source_place=_index(packed[rank[rows], rank[columns]]),
-        row_start=_index(_starts(filled.sum(axis=1))),
+        row_start=_index(np.append(0, np.cumsum(filled.sum(axis=1)))),
         diagonal=_index(np.diagonal(packed)),
         columns=_index(np.nonzero(filled)[1]),
         **pairs,
-        ledger_start=_index(_starts(np.bincount(ledger_rows, minlength=n_total - n))),
+        ledger_start=_index(np.append(0, np.cumsum(counts))),
         ledger_columns=_index(ledger_columns),
         basis_rows=_index(basis_rows),
         basis_columns=_index(basis_columns),
@@ -152,10 +153,6 @@ def _analysed(pattern_bytes: bytes, basis_bytes: bytes, n: int) -> LuProgram:
 
 def _index(values: IntArray) -> Index:
     return np.ascontiguousarray(values, dtype=np.uint32)
-
-
-def _starts(counts: IntArray) -> IntArray:
-    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
 def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:

@@ -104,10 +104,9 @@ def _coarsen_faces(fine: CellBalance, coarse: CellBalance) -> None:
 
 
 @njit
-def _coarsen_cells(fine: CellBalance, coarse: CellBalance) -> None:
+def _coarsen_cells(fine: CellBalance, coarse: CellBalance, count: Array) -> None:
     rows, lanes = fine.storage.shape
     merged_rows, merged_lanes = coarse.storage.shape
-    count = np.zeros((merged_rows, merged_lanes))
     for i in range(rows):
         for j in range(lanes):
             p, q = i // 2, j // 2
@@ -132,7 +131,8 @@ def coarsened(fine: CellBalance) -> CellBalance:
     rows, lanes = grid_shape(fine)
     coarse = empty_balance((rows + 1) // 2, (lanes + 1) // 2, ring=fine.ring)
     _coarsen_faces(fine, coarse)
-    _coarsen_cells(fine, coarse)
+    # how many prescribed cells fall into one
+    _coarsen_cells(fine, coarse, np.zeros(grid_shape(coarse)))
     coarse.west[:] = fine.west[::2]
     coarse.east[:] = fine.east[::2]
     coarse.south[:] = fine.south[::2]

@@ -75,7 +75,7 @@ def recess_outlines(description: MachineDescription) -> dict[str, Array]:
 def pitch_angle(description: MachineDescription) -> float:
     """Shaft angle after which the chambers look the same. [rad]."""
     first = description.families[0]
-    return float(2.0 * np.pi / (first.count * abs(first.angle_ratio)))
+    return float(first.volume.period / (first.count * abs(first.angle_ratio)))
 
 
 def _tip_radius(description: MachineDescription, body: int) -> float:

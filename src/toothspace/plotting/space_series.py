@@ -14,7 +14,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.files import write_bytes
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.types import Array
-from toothspace.model.description import Body, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.plotting.section import (
     fixed_parts,
     fluid_cells,
@@ -153,18 +153,18 @@ class _SpaceStates:
         cells = _wedges(triangles, len(corners), self.levels.size - 1)
         grids = []
         for k, angle in enumerate(self.angles):
-            points = _turned(corners, body, angle + self.leads(self.levels))
+            turn = body.speed_ratio * (angle + self.leads(self.levels))[:, None]
+            x, y = (corners - np.asarray(body.center)).T
+            x, y = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
+            points = np.stack([x.ravel(), y.ravel()], axis=1) + np.asarray(body.center)
             points = np.concatenate([points, np.repeat(self.levels, len(corners))[:, None]], axis=1)
-            moved = np.broadcast_to(self._displacement(number, k), points.shape)
+            shift = np.zeros(3)
+            if "body_position" in self.data:
+                given = np.asarray(self.data["body_position"])[k, number]
+                shift[: given.size] = given
+            moved = np.broadcast_to(shift, points.shape)
             grids.append(_SpaceGrid(points, cells, _WEDGE, {}, {"displacement": moved}))
         return grids
-
-    def _displacement(self, body: int, state: int) -> Array:
-        found = np.zeros(3)
-        if "body_position" in self.data:
-            given = np.asarray(self.data["body_position"])[state, body]
-            found[: given.size] = given
-        return found
 
     def chambers(self) -> Iterator[_SpaceGrid]:
         """Fluid of the chambers, state by state."""
@@ -216,14 +216,6 @@ class _SpaceStates:
         corners, triangles = _triangles(region.simplify(_DRAWN_ERROR))
         points = _prisms(corners, self.levels[[0, -1]])
         return _SpaceGrid(points, _wedges(triangles, len(corners), 1), _WEDGE)
-
-
-def _turned(corners: Array, body: Body, angles: Array) -> Array:
-    """Corners of a section turned about the axis of its body, angle after angle. [m]."""
-    turn = body.speed_ratio * angles[:, None]
-    x, y = (corners - np.asarray(body.center)).T
-    x, y = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
-    return np.stack([x.ravel(), y.ravel()], axis=1) + np.asarray(body.center)
 
 
 def _prisms(corners: Array, levels: Array) -> Array:

@@ -26,7 +26,7 @@ from toothspace.core.errors import ToothspaceError
 from toothspace.core.types import Array
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.films.journal.bearing import JournalBearing
-from toothspace.model.description import LumpedJournalBearing, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import temperature_range
 from toothspace.plotting.style import readable
 from toothspace.report.page import TEMPLATES, quantity, render
@@ -226,7 +226,13 @@ def _orbits(data: xr.Dataset, description: MachineDescription | None) -> Iterato
     angle = np.degrees(np.asarray(data["shaft_angle"]))
     own = _thinned(angle.size, _MOST_POINTS)
     for journal in description.journals:
-        place = _in_bearing(data, journal)
+        # about the middle of its bearings
+        axes = ["x", "y"]
+        place = np.asarray(data["body_position"].sel(body=journal.body, axis=axes), dtype=float)
+        if "block_position" in data:
+            place = place - np.asarray(data["block_position"].sel(axis=axes))
+        elif "seat_position" in data:
+            place = place - np.asarray(data["seat_position"].sel(body=journal.body, axis=axes))
         yield {
             "name": f"orbit_{journal.body}",
             "title": f"Orbit of the {readable(journal.body).lower()} in its bearings",
@@ -240,17 +246,6 @@ def _orbits(data: xr.Dataset, description: MachineDescription | None) -> Iterato
         }
 
 
-def _in_bearing(data: xr.Dataset, journal: LumpedJournalBearing) -> Array:
-    """Path of a body about the middle of its bearings. [m]."""
-    axes = ["x", "y"]
-    place = np.asarray(data["body_position"].sel(body=journal.body, axis=axes), dtype=float)
-    if "block_position" in data:
-        return place - np.asarray(data["block_position"].sel(axis=axes))
-    if "seat_position" in data:
-        return place - np.asarray(data["seat_position"].sel(body=journal.body, axis=axes))
-    return place
-
-
 def _lateral(data: xr.Dataset) -> Iterator[dict[str, Any]]:
     """Films beside the gears, one view for each side, at the last shaft angle."""
     if "film_height" not in data or "film_radius" not in data:
@@ -260,7 +255,9 @@ def _lateral(data: xr.Dataset) -> Iterator[dict[str, Any]]:
     sides: dict[str, list[int]] = {}
     for k, name in enumerate(data["film"].values):
         sides.setdefault(str(name).partition("_")[0], []).append(k)
-    shown = [f for f in _FIELDS if f[0] in data and _speaks(data[f[0]])]
+    # fields with a value other than zero
+    given = [f for f in _FIELDS if f[0] in data]
+    shown = [f for f in given if np.nan_to_num(np.asarray(data[f[0]], dtype=float)).any()]
     on_film, warm = np.isfinite(np.asarray(data["film_height"])), _temperatures(data)
     for side, films in sides.items():
         pieces = []
@@ -301,11 +298,6 @@ def _temperatures(data: xr.Dataset) -> dict[str, float]:
         return {}
     nodes = (str(node) for node in data["heat_node"].values)
     return dict(zip(nodes, map(float, data["temperature"].values), strict=True))
-
-
-def _speaks(field: xr.DataArray) -> bool:
-    values = np.asarray(field, dtype=float)
-    return bool(np.isfinite(values).any() and np.nanmax(np.abs(values)) > 0.0)
 
 
 def _journals(

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toothspace.core.finding import Finding, beyond_too
-from toothspace.core.lazy import LazySequence
 from toothspace.core.status import Status
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.results.performance import by_label
@@ -93,22 +91,19 @@ def with_warnings(
     temperatures : tuple of float
         Temperatures between which they are known. [K]
     """
-    told = LazySequence(partial(_all_warnings, solution, highest_pressure, temperatures))
-    return replace(solution, warnings=told)
+    return solution.with_later(partial(_doubts, solution, highest_pressure, temperatures))
 
 
-def _all_warnings(
+def _doubts(
     solution: Solution, highest_pressure: float, temperatures: tuple[float, float]
-) -> Sequence[Finding]:
-    beyond = temperatures_beyond(solution, *temperatures) if solution.status in WHOLE else ()
-    return solution.with_note(
-        *_pressure(solution, highest_pressure),
-        *beyond,
-        *_numbers(solution),
-        *_bodies(solution),
-        *_skipped(solution),
-        *_tips(solution.data),
-    ).warnings
+) -> Iterator[Finding | str]:
+    yield from _pressure(solution, highest_pressure)
+    if solution.status in WHOLE:
+        yield from temperatures_beyond(solution, *temperatures)
+    yield from _numbers(solution)
+    yield from _bodies(solution)
+    yield from _skipped(solution)
+    yield from _tips(solution.data)
 
 
 def with_interval(solution: Solution, drawn: Solution) -> Solution:

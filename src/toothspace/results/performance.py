@@ -238,6 +238,13 @@ def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         highest, lowest = (data[f"chamber_pressure_{end}"] for end in ("highest", "lowest"))
         extremes["max_chamber_pressure_bar"] = float(highest.max()) / _BAR
         extremes["min_chamber_pressure_bar"] = float(lowest.min()) / _BAR
+    electric = {}
+    if "electric_power" in data and data.sizes["time"] >= _LEAST_ROWS:
+        lost = data["drive_motor_loss"] + data["drive_inverter_loss"]
+        electric = {
+            "electric_energy_J": _integral(data, np.asarray(data["electric_power"])),
+            "drive_loss_energy_J": _integral(data, np.asarray(lost)),
+        }
     return {
         "displacement_cm3_per_rev": float(data["displacement"]) * _TURN * 1e6,
         "duration_s": ledger.duration,
@@ -252,18 +259,7 @@ def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "supply_energy_J": ledger.energy.get("supply", 0.0),
         "shaft_energy_J": -ledger.shaft_energy,
         "loss_energy_J": ledger.loss_energy,
-        **_electric(data),
-    }
-
-
-def _electric(data: xr.Dataset) -> dict[str, float]:
-    """Energy that an electric drive draws from its supply, and what it loses of it."""
-    if "electric_power" not in data or data.sizes["time"] < _LEAST_ROWS:
-        return {}
-    lost = data["drive_motor_loss"] + data["drive_inverter_loss"]
-    return {
-        "electric_energy_J": _integral(data, np.asarray(data["electric_power"])),
-        "drive_loss_energy_J": _integral(data, np.asarray(lost)),
+        **electric,
     }
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, final, overload
 
@@ -15,6 +15,7 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of, write_text
 from toothspace.core.finding import Finding, status_line
+from toothspace.core.lazy import LazySequence
 from toothspace.core.netcdf import read_dataset
 from toothspace.core.registry import view
 from toothspace.core.status import Event, Status
@@ -105,10 +106,15 @@ class Solution:
     def __getstate__(self) -> dict[str, object]:
         """State for another process, which cannot read what this one keeps on disk."""
         kept = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        return {**kept, "data": self.data.compute(), "warnings": tuple(self.warnings)}
+        told = {"warnings": tuple(self.warnings), "provenance": dict(self.provenance)}
+        return {**kept, "data": self.data.compute(), **told}
 
     def summary(self) -> Summary:
         """Return the summary numbers, with unit suffixes, status and wall time."""
+        return Summary(self._numbers)
+
+    @cached_property
+    def _numbers(self) -> Summary:
         wall = float(self.statistics.get("wall_time", math.nan))
         if "time" in self.data.sizes:
             numbers = {
@@ -146,6 +152,10 @@ class Solution:
         told = tuple(Finding("warning", x) if isinstance(x, str) else x for x in warnings if x)
         found = tuple(dict.fromkeys((*self.warnings, *told))) if told else self.warnings
         return replace(self, statistics={**self.statistics, **statistics}, warnings=found)
+
+    def with_later(self, look: Callable[[], Iterable[Finding | str]]) -> Solution:
+        """Solution with warnings that are looked for when its warnings are asked first."""
+        return replace(self, warnings=LazySequence(partial(_told, self, look)))
 
     def short_of(self, told: Finding | str) -> Solution:
         """Solution that misses what was asked, and says what; an empty text misses nothing."""
@@ -266,6 +276,10 @@ class Solution:
         return write_result(
             path, self.data, self.ledger, self.events, attributes, self.statistics, provenance
         )
+
+
+def _told(solution: Solution, look: Callable[[], Iterable[Finding | str]]) -> Sequence[Finding]:
+    return solution.with_note(*look()).warnings
 
 
 @final

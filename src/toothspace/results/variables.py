@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import suggestion
+from toothspace.core.netcdf import spare_array_packages
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.results.performance import LATERAL
 
@@ -315,13 +316,26 @@ def dataset_from(
     """
     import xarray as xr
 
+    spare_array_packages()
     for dim, names in labels.items():
         if dim not in LABEL_DIMENSIONS:
             raise KeyError(f"unknown dimension '{dim}'; allowed: {', '.join(LABEL_DIMENSIONS)}")
         unknown = set(names) - set(LABELS.get(dim, names))
         if unknown:
             raise ValueError(f"unknown {dim} label {sorted(unknown)}; allowed: {LABELS[dim]}")
-    arrays = {name: _data_array(name, value, sample) for name, value in values.items()}
+    arrays = {}
+    for name, value in values.items():
+        entry = variable(name)
+        dimensions = tuple(sample if dim == SAMPLE else dim for dim in entry.dimensions)
+        if np.ndim(value) != len(dimensions):
+            raise ValueError(f"{name} has {np.ndim(value)} axes, the table says {dimensions}")
+        if isinstance(value, xr.Variable):
+            arrays[name] = value.copy(deep=False)
+            arrays[name].encoding = {}
+        else:
+            arrays[name] = xr.Variable(dimensions, np.asarray(value))
+        units = {"units": entry.units} if entry.units else {}
+        arrays[name].attrs = {"long_name": entry.long_name} | units
     dataset = xr.Dataset(arrays, attrs=dict(attributes or {}))
     dataset = dataset.assign_coords(
         {
@@ -331,23 +345,6 @@ def dataset_from(
     )
     coordinates = [name for name in _COORDINATES if name in dataset]
     return dataset.set_coords(coordinates)
-
-
-def _data_array(name: str, value: ArrayLike | xr.Variable, sample: str) -> xr.Variable:
-    import xarray as xr
-
-    entry = variable(name)
-    dimensions = tuple(sample if dim == SAMPLE else dim for dim in entry.dimensions)
-    axes = np.ndim(value)
-    if axes != len(dimensions):
-        raise ValueError(f"{name} has {axes} axes, the table says {dimensions}")
-    if isinstance(value, xr.Variable):
-        array = value.copy(deep=False)
-        array.encoding = {}
-    else:
-        array = xr.Variable(dimensions, np.asarray(value))
-    array.attrs = {"long_name": entry.long_name} | ({"units": entry.units} if entry.units else {})
-    return array
 
 
 def stem_and_unit(name: str) -> tuple[str, str]:

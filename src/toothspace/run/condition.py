@@ -74,15 +74,11 @@ def fluid_temperature(case: Case) -> float:
     return fluid_keys(case).temperature
 
 
-def known_pressure(case: Case) -> float:
-    """Pressure up to which the properties of the fluid of a case are known. [Pa]."""
+def fluid_limits(case: Case) -> tuple[float, tuple[float, float]]:
+    """Pressure up to which, temperatures between which a fluid is known. [Pa], [K]."""
     choice = fluid_keys(case)
-    return highest_pressure(choice.source, choice.temperature)
-
-
-def known_temperatures(case: Case) -> tuple[float, float]:
-    """Temperatures between which the properties of the fluid of a case are known. [K]."""
-    return temperature_range(fluid_keys(case).source)
+    highest = highest_pressure(choice.source, choice.temperature)
+    return highest, temperature_range(choice.source)
 
 
 def fluid_findings(case: Case, fluid: FluidLaw) -> Iterator[Finding]:

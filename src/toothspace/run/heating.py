@@ -184,8 +184,25 @@ class HeatSearch:
             left = most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
             following = supply + left * (reached - supply)
         self._tried, self._rounds = np.clip(following, supply, highest), self._rounds + 1
+        # lateral and journal films have the viscosity of their temperatures
+        cold, machine = liquid_of(case).dynamic_viscosity, self._description
         warm = dict(zip(temperature, self._tried, strict=True))
-        self.machine = _warmed(case, self._description, warm)
+
+        def ratio(node: str) -> float:
+            return liquid_of(case, warm[node]).dynamic_viscosity / cold
+
+        laterals = tuple(
+            replace(f, viscosity_ratio=ratio(lateral_node(f.body))) for f in machine.laterals
+        )
+        journals = tuple(
+            replace(j, viscosity_ratio=ratio(journal_node(j.body))) for j in machine.journals
+        )
+        beside = float(np.mean([f.viscosity_ratio for f in laterals])) if laterals else 1.0
+        paths = tuple(
+            replace(path, viscosity_ratio=beside) if path.category in LATERAL_PATHS else path
+            for path in machine.paths
+        )
+        self.machine = replace(machine, laterals=laterals, journals=journals, paths=paths)
         return change
 
     @property
@@ -199,31 +216,6 @@ class HeatSearch:
         data = self._solution.data.merge(nodes, combine_attrs="override")
         told = replace(self._solution, data=data)
         return told.with_note(warm_up_time=network.warm_up_time).short_of(self._warning)
-
-
-def _warmed(
-    case: Case, description: MachineDescription, temperature: Mapping[str, float]
-) -> MachineDescription:
-    """Machine whose lateral and journal films have the viscosity of their temperatures."""
-    cold = liquid_of(case).dynamic_viscosity
-
-    def ratio(node: str) -> float:
-        return liquid_of(case, temperature[node]).dynamic_viscosity / cold
-
-    laterals = tuple(
-        replace(film, viscosity_ratio=ratio(lateral_node(film.body)))
-        for film in description.laterals
-    )
-    journals = tuple(
-        replace(journal, viscosity_ratio=ratio(journal_node(journal.body)))
-        for journal in description.journals
-    )
-    beside = float(np.mean([film.viscosity_ratio for film in laterals])) if laterals else 1.0
-    paths = tuple(
-        replace(path, viscosity_ratio=beside) if path.category in LATERAL_PATHS else path
-        for path in description.paths
-    )
-    return replace(description, laterals=laterals, journals=journals, paths=paths)
 
 
 def lateral_heating(case: Case) -> FilmHeating | None:
@@ -327,7 +319,7 @@ class HeatNetwork:
     def steady(self) -> dict[str, float]:
         """Temperatures that last. [K]."""
         matrix, given = self._balance()
-        return self._named(np.asarray(np.linalg.solve(matrix, given), dtype=float))
+        return dict(zip(self.names, np.linalg.solve(matrix, given).tolist(), strict=True))
 
     def after(self, duration: float) -> dict[str, float]:
         """Temperatures a time after the machine was as warm as its supply. [K].
@@ -342,7 +334,8 @@ class HeatNetwork:
         matrix, given = self._balance()
         lasting = np.linalg.solve(matrix, given)
         fading = expm(-matrix / self.heat_capacity[:, None] * duration)
-        return self._named(lasting + fading @ (self.supply_temperature - lasting))
+        temperature = lasting + fading @ (self.supply_temperature - lasting)
+        return dict(zip(self.names, temperature.tolist(), strict=True))
 
     @property
     def warm_up_time(self) -> float:
@@ -350,9 +343,6 @@ class HeatNetwork:
         matrix, _ = self._balance()
         rates = np.linalg.eigvals(matrix / self.heat_capacity[:, None])
         return float(1.0 / np.min(rates.real))
-
-    def _named(self, temperature: Array) -> dict[str, float]:
-        return dict(zip(self.names, temperature.tolist(), strict=True))
 
 
 def heat_network(

@@ -100,17 +100,14 @@ class OutletBalance:
         slope = (self.delivered - before.delivered) / (self.pressure - before.pressure)
         return replace(self, slope=min(slope, 0.0))
 
-    @property
-    def drift(self) -> float:
-        """Pressure by which the state would still move until both flows agree. [Pa]."""
-        stiffness = self.passed / (2.0 * self.pressure) - self.slope
-        return (self.delivered - self.passed) / stiffness if stiffness > 0.0 else np.inf
-
     def meets(self, wanted: float) -> bool:
         """Whether the pressure is the wanted one [Pa] and stays there."""
         if self.pressure <= 0.0 or self.passed <= 0.0:
             return False
-        return max(abs(self.pressure - wanted), abs(self.drift)) <= LOAD_MATCH * wanted
+        # pressure by which the state would still move until both flows agree
+        stiffness = self.passed / (2.0 * self.pressure) - self.slope
+        drift = (self.delivered - self.passed) / stiffness if stiffness > 0.0 else np.inf
+        return max(abs(self.pressure - wanted), abs(drift)) <= LOAD_MATCH * wanted
 
     def change_of_area(self, wanted: float) -> float:
         """Factor on the area that leads to the wanted pressure [Pa]. [-]."""

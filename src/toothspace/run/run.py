@@ -8,6 +8,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from operator import attrgetter
 from typing import Any, final
 
@@ -21,6 +22,7 @@ from toothspace.circuit.fmu import LinkedUnit
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compilation.library import compiler_version
 from toothspace.core.errors import CaseError
+from toothspace.core.lazy import LazyMapping
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
@@ -130,30 +132,34 @@ class Run:
             return self.marked(SeatSearch(self.machine).noted(found))
         return self.repeated(progress)(self.machine)
 
-    def repeated(self, progress: Progress | None = None, begin: History | None = None) -> Marches:
+    def repeated(
+        self,
+        progress: Progress | None = None,
+        begin: History | None = None,
+        *,
+        by_pitch: bool = False,
+    ) -> Marches:
         """Marches to the cyclic state of this machine and of ones that differ in gaps and films.
 
-        Each begins where the last one ended, the first where ``begin`` does.
+        Each begins where the last one ended, the first where ``begin`` does; ``by_pitch`` as in
+        :class:`~toothspace.solver.cyclic.RunPlan`.
         """
-        return Marches(self, progress, begin)
+        return Marches(self, progress, begin, by_pitch=by_pitch)
 
     @property
     def values(self) -> dict[str, Any]:
         """What a result holds of the run beside the history: temperature and tracks."""
         bodies = [body.name for body in self.machine.bodies]
         temperature = np.asarray(fluid_temperature(self.case))
-        return {"fluid_temperature": temperature, **self.tracks.values(bodies)}
+        cut = named_depths("running_in_depth", self.tracks.depths, bodies)
+        return {"fluid_temperature": temperature, **cut}
 
     @property
-    def provenance(self) -> dict[str, str]:
+    def provenance(self) -> Mapping[str, str]:
         """Where a result comes from, as text; the model of each interface by its name."""
-        models = {f"{name}_model": model for name, model in self.interfaces.items()}
-        films = "at the temperature of the fluid"
-        if self.case.heat.model == "coupled" and not self.condition.over_time:
-            films = "as warm as the heat network finds them"
-        elif self.case.run.preset is ELASTIC and self.case.run.film_oil_share > 0.0:
-            films = "as warm as their own heat and flow make them"
-        return {**provenance_of(self.case), **models, "films": films}
+        return LazyMapping(
+            partial(_provenance, self.case, self.interfaces, self.condition.over_time)
+        )
 
     def marked(self, solution: Solution) -> Solution:
         """Solution that says where its machine is doubtful: places of bodies, a casing half cut."""
@@ -173,9 +179,18 @@ class Marches:
         Called with the finished share and a short text.
     begin : History, optional
         Where the first one begins: the end of a march of a machine with the same parts.
+    by_pitch : bool
+        Whether a pitch that is like the one before is enough.
     """
 
-    def __init__(self, run: Run, progress: Progress | None, begin: History | None) -> None:
+    def __init__(
+        self,
+        run: Run,
+        progress: Progress | None,
+        begin: History | None,
+        *,
+        by_pitch: bool = False,
+    ) -> None:
         self._run, self._progress = run, progress
         point, settings = run.case.operating_point, run.case.run
         self._orifice = point is not None and point.outlet_load == "orifice"
@@ -184,6 +199,7 @@ class Marches:
             max_revolutions=settings.max_revolutions,
             samples_per_revolution=settings.samples_per_revolution,
             max_steps=settings.step_limit(over_time=False),
+            by_pitch=by_pitch,
         )
         self.last = begin
         """The last march that was done; None where the next one begins anew."""
@@ -201,22 +217,19 @@ class Marches:
                 state = None if last is None else first_turn_state(last)
                 history, told = march_to_balance(system, self._plan, progress, state), ""
             self.last = history if history.status is Status.DONE else None
-            values = {**run.values, **self._still_cut(history)}
+            # what tips would cut into the casing in the last revolution
+            bodies, cut = [body.name for body in run.machine.bodies], running_in_depths(history)
+            values = {**run.values, **named_depths("tip_cut_depth", cut, bodies)}
             found = solution_from(history, run.provenance, values, run.case.title)
             found = found.short_of(told)
             settled = seats.agree_with(found)
-        found = found.with_note(*flow_regimes(history))
+        found = found.with_later(partial(flow_regimes, history))
         if seats.machine.winding is not None:
             speed, ports = run.condition.shaft_speed, run.condition
             along = pressure_along_spaces(seats.machine, run.fluid, speed)
             difference = ports.outlet_pressure - ports.inlet_pressure
             found = found.with_note(*along_spaces(along, difference), pressure_along_spaces=along)
         return run.marked(seats.noted(found))
-
-    def _still_cut(self, history: History) -> dict[str, Any]:
-        """What tips would cut into the casing in the last revolution."""
-        bodies = [body.name for body in self._run.machine.bodies]
-        return named_depths("tip_cut_depth", running_in_depths(history), bodies)
 
     def turned(self, machine: MachineDescription) -> History:
         """One revolution of this machine from where the last march ended, its pressures held.
@@ -251,6 +264,16 @@ class Marches:
         return self.last if before.arrays.size == after.arrays.size else None
 
 
+def _provenance(case: Case, interfaces: Mapping[str, str], over_time: bool) -> dict[str, str]:
+    models = {f"{name}_model": model for name, model in interfaces.items()}
+    films = "at the temperature of the fluid"
+    if case.heat.model == "coupled" and not over_time:
+        films = "as warm as the heat network finds them"
+    elif case.run.preset is ELASTIC and case.run.film_oil_share > 0.0:
+        films = "as warm as their own heat and flow make them"
+    return {**provenance_of(case), **models, "films": films}
+
+
 def provenance_of(case: Case) -> dict[str, str]:
     """Where the results of a case come from, as text."""
     return {
@@ -268,6 +291,7 @@ def provenance_of(case: Case) -> dict[str, str]:
 
 
 @final
+@dataclass(eq=False)
 class SeatSearch:
     """Leakage of tabulated lateral films with which the bearing blocks of a machine are seated.
 
@@ -275,11 +299,10 @@ class SeatSearch:
     the load on the seated blocks; a run with each guess leads to the next one.
     """
 
-    def __init__(self, machine: MachineDescription) -> None:
-        self.machine = machine
-        """The machine with the present guess."""
-        self._tried: list[tuple[float, float]] = []
-        self._unsettled = ""
+    machine: MachineDescription
+    """The machine with the present guess."""
+    _tried: list[tuple[float, float]] = field(init=False, default_factory=list)
+    _unsettled: str = field(init=False, default="")
 
     def agree_with(self, found: Solution) -> bool:
         """Whether seats and gaps of a run agree, or no better guess is to be had; else the next."""

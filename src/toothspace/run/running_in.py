@@ -74,20 +74,16 @@ class Tracks:
             return solution
         return solution.short_of(_STILL_CUTS.format(1e6 * self.change, 1e6 * deepest))
 
-    def values(self, bodies: Sequence[str]) -> dict[str, Any]:
-        """Depths by the names of results."""
-        return named_depths("running_in_depth", self.depths, bodies)
-
 
 def named_depths(name: str, depths: Mapping[str, Array], bodies: Sequence[str]) -> dict[str, Any]:
     """Depths under the name of a result, one row per body, at the nodes of the finest table."""
     if not depths:
         return {}
-    angle = _table_angles(max(depth.size for depth in depths.values()))
-    table = np.zeros((len(bodies), angle.size))
+    nodes, turn = max(depth.size for depth in depths.values()), 2.0 * np.pi
+    angle, table = np.arange(nodes) * turn / nodes, np.zeros((len(bodies), nodes))
     for body, depth in depths.items():
-        own = _table_angles(depth.size)
-        table[bodies.index(body)] = np.interp(angle, own, depth, period=2.0 * np.pi)
+        own = np.arange(depth.size) * turn / depth.size
+        table[bodies.index(body)] = np.interp(angle, own, depth, period=turn)
     return {name: table, "casing_angle": angle}
 
 
@@ -155,10 +151,6 @@ def load(key: str) -> dict[str, Array] | None:
 def save(key: str, depths: dict[str, Array]) -> None:
     """Store depths. [m]."""
     keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
-
-
-def _table_angles(nodes: int) -> Array:
-    return np.arange(nodes) * 2.0 * np.pi / nodes
 
 
 def running_in_depths(history: History) -> dict[str, Array]:

@@ -82,7 +82,7 @@ def with_solved_films(
         else:
             winding = description.winding
             section = description if winding is None else winding.section
-            known = {film.body: film.face for film in section.laterals if film.face is not None}
+            known = section.known_faces
             if not known:
                 found = "'reynolds' for a machine that gives the outline of none of its faces"
                 raise CaseError("run.interfaces.lateral", found, "'closed_form'")

@@ -59,7 +59,7 @@ def balanced(history: History, plan: RunPlan, progress: Progress | None = None) 
     system = history.system
     tolerance = system.condition.relative_tolerance
     history = _counted(history, tolerance)
-    while plan.revolutions is None:
+    while plan.revolutions is None and not plan.by_pitch:
         if history.status not in (Status.DONE, Status.NOT_REPEATING):
             break
         repeats = history.status is Status.DONE

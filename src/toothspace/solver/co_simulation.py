@@ -64,7 +64,12 @@ class CoSimulation:
             if unit.keys.step * self._steps[k] > time * (1.0 + 1e-12):
                 continue
             self._steps[k] += 1
-            found = instance.step(time, [self._value(*told[1:], state) for told in unit.told])
+            told, nodes = {"speed": state[1], "angle": state[0]}, self._system.arrays.node
+            values = [
+                nodes[self._places[node], col.PRESSURE] if what == "pressure" else told[what]
+                for _, what, node in unit.told
+            ]
+            found = instance.step(time, [float(value) for value in values])
             until = unit.keys.step * self._steps[k]
             for (_, what, row), value in zip(unit.sets, found, strict=True):
                 place = (what, row)
@@ -106,11 +111,6 @@ class CoSimulation:
         for instance in self._running:
             instance.close()
         self._running = []
-
-    def _value(self, what: str, node: str, state: Array) -> float:
-        if what == "pressure":
-            return float(self._system.arrays.node[self._places[node], col.PRESSURE])
-        return float(state[1] if what == "speed" else state[0])
 
     def _rows(self, place: Place) -> Array:
         """Two rows of time and value that compiled code reads."""

@@ -236,20 +236,15 @@ def _value(task: int, s: SystemArrays, time: float, state: Array) -> float:
     elif task == _MOVING_ENERGY:
         return float(stored_in_elements(s, state) + load_energy(s, state))
     elif task == _WALL_ENERGY:
-        return float(_wall_energy(s, state))
+        energy = 0.0
+        for i in range(s.size.nodes):
+            d = s.dynamic_index[i]
+            if d >= 0:
+                energy += wall_energy(s.node[i], state[d])
+        return energy
     elif task == _PRESSURE:
         hold_pressure(s, int(state[0]), state[1])
     return 0.0
-
-
-@kernel
-def _wall_energy(s: SystemArrays, pressure: Array) -> float:
-    energy = 0.0
-    for i in range(s.size.nodes):
-        d = s.dynamic_index[i]
-        if d >= 0:
-            energy += wall_energy(s.node[i], pressure[d])
-    return energy
 
 
 @kernel
@@ -261,7 +256,11 @@ def _observe(s: SystemArrays, times: Array, states: Array, rate: Array, out: Obs
             s.drive[col.DIRECTION] = np.sign(state[1])
         full_rates(times[i], state, s, rate)
         note_approach(s, state)
-        _note_nodes(s, out, i)
+        for j in range(s.size.nodes):
+            out.pressure[i, j] = s.node[j, col.PRESSURE]
+            out.density[i, j] = s.node[j, col.DENSITY]
+            out.volume[i, j] = s.node[j, col.VOLUME]
+            out.gas[i, j] = s.node[j, col.GAS]
         _note_paths(s, state, out, i)
         for k in range(s.size.motions):
             out.pressure_force[i, k] = s.motion[k, col.PRESSURE_FORCE]
@@ -275,15 +274,6 @@ def _observe(s: SystemArrays, times: Array, states: Array, rate: Array, out: Obs
         for k in range(s.lateral.now.size):
             out.lateral[i, k] = s.lateral.now[k]
     s.drive[col.DIRECTION] = direction
-
-
-@kernel
-def _note_nodes(s: SystemArrays, out: Observation, i: int) -> None:
-    for j in range(s.size.nodes):
-        out.pressure[i, j] = s.node[j, col.PRESSURE]
-        out.density[i, j] = s.node[j, col.DENSITY]
-        out.volume[i, j] = s.node[j, col.VOLUME]
-        out.gas[i, j] = s.node[j, col.GAS]
 
 
 @kernel

@@ -27,6 +27,11 @@ _COMPARED = 128
 _CYCLIC_PRESSURE = AGREEMENT
 _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
+_COMPARED_IN_PITCH = 12
+_MOST_PITCHES = 60
+_SAME_PITCH = 0.25
+"""Change of the pressures from pitch to pitch, over what counts as none in a revolution. [-]"""
+_SAME_TEETH = 1e-6
 _PATIENCE = 4
 """Revolutions marched freely before the periodic state is searched for."""
 _HURRY = 8
@@ -55,6 +60,11 @@ class RunPlan:
     """Samples kept in each revolution."""
     max_steps: int = 50_000_000
     """Most time steps."""
+    by_pitch: bool = False
+    """Whether to look for a state that repeats after each tooth pitch, which takes few of them.
+
+    Energies are then not held to their balance. Machines whose teeth differ go by revolutions.
+    """
 
 
 @final
@@ -95,6 +105,10 @@ def march_revolutions(
     pressure (root mean square over chambers and samples) and all bodies by less than 2e-3 of
     their clearance. The march ends before its last revolution where they no longer come closer.
     """
+    if plan.by_pitch:
+        found = _march_pitches(system, plan, progress, state)
+        if found is not None:
+            return found
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     turn = 2.0 * np.pi / system.condition.shaft_speed
     grid = _SampleGrid.with_samples(plan.samples_per_revolution)
@@ -161,6 +175,84 @@ def march_revolutions(
         {**march.statistics, "revolutions": float(done)},
         DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
         min(changes[-_WAIT:], default=np.inf),
+    )
+
+
+def _march_pitches(
+    system: System, plan: RunPlan, progress: Progress | None, state: Array | None
+) -> History | None:
+    """March until a pitch is like the one before, and make a revolution of the last one.
+
+    None where teeth differ from one another, or where no pitch is like the one before.
+    """
+    first, size = system.description.families[0], system.arrays.size
+    count = round(2.0 * np.pi * first.count * abs(first.angle_ratio) / first.volume.period)
+    pitch = 2.0 * np.pi / count
+    time = pitch / system.condition.shaft_speed
+    march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
+    grid = _SampleGrid.with_samples(plan.samples_per_revolution)
+    # every sample of a revolution is one of a pitch, with other chambers
+    pitches = np.minimum((count * grid.shares + _SAME_PLACE).astype(int), count - 1)
+    inside, places = np.unique(np.round(count * grid.shares - pitches, 9), return_inverse=True)
+    few = np.linspace(0.0, 1.0, _COMPARED_IN_PITCH + 1)
+    before, closed = np.zeros((0, 0)), False
+    for k in range(_MOST_PITCHES):
+        piece = march.advance(time * (k + (inside if closed else few)))
+        tell(progress, UNKNOWN, f"pitch {k + 1}")
+        if piece.status is not Status.DONE:
+            return None
+        if closed:
+            break
+        if k == 0:
+            if not _teeth_alike(system, piece.states, pitch):
+                return None
+        else:
+            pressures, places_of_bodies = _change(system, before, piece.states, pitch)
+            closed = k > 1 and pressures <= _SAME_PITCH and count * places_of_bodies <= 1.0
+        before = piece.states
+    else:
+        return None
+    # back to the first pitch, where the revolution begins
+    states = _turned(system, piece.states, -k * pitch)
+    sums = slice(size.core, None)
+    states[:, sums] -= states[0, sums]
+    # what little it has moved on is taken back evenly, so that no seam shows in the flows
+    rest = slice(1, size.core)
+    drift = states[-1, rest] - _turned(system, states[:1], pitch)[0, rest]
+    states[:, rest] -= inside[:, None] * drift
+    whole = np.empty((grid.shares.size, states.shape[1]))
+    for j in range(count):
+        rows = np.flatnonzero(pitches == j)
+        whole[rows] = _turned(system, states[places[rows]], j * pitch)
+        whole[rows, sums] += j * states[-1, sums]
+    times = count * time * grid.shares
+    return History(
+        Status.DONE,
+        system,
+        times[grid.own],
+        whole[grid.own],
+        piece.events,
+        1,
+        {**march.statistics, "revolutions": (k + 1) / count},
+        DenseStates(times[grid.dense], whole[grid.dense]),
+    )
+
+
+def _teeth_alike(system: System, states: Array, pitch: float) -> bool:
+    """Whether a machine that has turned on by a pitch [rad] is the same, with other chambers."""
+    from toothspace.solver.compiled_model import observe
+
+    here = observe(system.arrays, states)
+    there = observe(system.arrays, _turned(system, states, pitch))
+    return all(
+        np.allclose(
+            old, new, rtol=_SAME_TEETH, atol=_SAME_TEETH * float(np.abs(old).max(initial=0.0))
+        )
+        for old, new in (
+            (here.torque, there.torque),
+            (here.pressure_force, there.pressure_force),
+            (np.abs(here.path_flow).sum(axis=1), np.abs(there.path_flow).sum(axis=1)),
+        )
     )
 
 
@@ -244,7 +336,7 @@ def _stalled(changes: list[float]) -> bool:
     return len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier)
 
 
-def successors(description: MachineDescription) -> IntArray:
+def successors(description: MachineDescription, turn: float = 2.0 * np.pi) -> IntArray:
     """Chamber that stood, one revolution before, where each chamber stands now.
 
     A chamber family may come back onto itself in one shaft revolution with its chambers
@@ -254,8 +346,8 @@ def successors(description: MachineDescription) -> IntArray:
     """
     places, first = np.arange(description.chamber_count), 0
     for family in description.families:
-        turn = 2.0 * np.pi * family.angle_ratio
-        ahead = family.phases[:, None] + turn - family.phases[None, :]
+        moved = turn * family.angle_ratio
+        ahead = family.phases[:, None] + moved - family.phases[None, :]
         period = family.volume.period
         distance = np.abs(np.mod(ahead + 0.5 * period, period) - 0.5 * period)
         nearest = np.argmin(distance, axis=1)
@@ -287,18 +379,40 @@ def _in_turn(system: System, state: Array, turns: int) -> Array:
     return moved
 
 
+def _turned(system: System, states: Array, turn: float) -> Array:
+    """States of the same machine turned on by whole pitches [rad], its chambers renamed for it."""
+    moved, size = states.copy(), system.arrays.size
+    moved[:, 0] += turn
+    node = system.arrays.dynamic_index[: size.chambers]
+    before = node[successors(system.description, turn)]
+    for first in (size.mass, size.gas):
+        moved[:, first + node] = states[:, first + before]
+    return moved
+
+
 def _difference(system: System, before: Array, after: Array) -> float:
     """Largest change from one revolution to the next over what counts as none. [-]."""
+    return max(_change(system, before, after, 2.0 * np.pi))
+
+
+def _change(system: System, before: Array, after: Array, turn: float) -> tuple[float, float]:
+    """Changes of pressures and of places over what counts as none, between states a turn apart.
+
+    Parameters
+    ----------
+    turn : float
+        Shaft angle after which the chambers look the same. [rad]
+    """
     from toothspace.solver.compiled_model import observe
 
     old = observe(system.arrays, before).pressure
     new = observe(system.arrays, after).pressure
     chambers = system.arrays.size.chambers
-    old[:, :chambers] = old[:, successors(system.description)]
+    old[:, :chambers] = old[:, successors(system.description, turn)]
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)
     pressures = float(np.sqrt(np.mean((new - old) ** 2))) / (_CYCLIC_PRESSURE * scale)
     size = system.arrays.size
     positions = slice(size.position, size.velocity)
     moved = np.abs(after[:, positions] - before[:, positions])
     allowed = _CYCLIC_POSITION * system.arrays.motion[:, col.CLEARANCE]
-    return max(pressures, float(np.max(moved / allowed, initial=0.0)))
+    return pressures, float(np.max(moved / allowed, initial=0.0))

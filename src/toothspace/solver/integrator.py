@@ -71,20 +71,17 @@ class March:
         if skips(self.system, record.samples[:written]).any():
             status = Status.OUT_OF_MESH
         count = min(int(record.counts[1]), record.event_times.size)
-        speed = self.system.condition.shaft_speed
+        events = []
+        for k in range(count):
+            time = float(record.event_times[k])
+            kind = self._event_text(int(record.event_index[k]), int(record.event_direction[k]))
+            events.append(Event(self.system.condition.shaft_speed * time, time, *kind))
         return Piece(
             status=status,
             stopped=code == TERMINAL_EVENT,
             times=record.sample_times[:written],
             states=record.samples[:written],
-            events=tuple(
-                Event(
-                    speed * float(record.event_times[k]),
-                    float(record.event_times[k]),
-                    *self._event_text(int(record.event_index[k]), int(record.event_direction[k])),
-                )
-                for k in range(count)
-            ),
+            events=tuple(events),
         )
 
     def restart(self, time: float, state: Array) -> None:

@@ -23,7 +23,7 @@ import numpy as np
 
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
-from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.core.types import Array, BoolArray
 from toothspace.model import arrays as col
 from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import LEAKAGES, PathRole
@@ -60,12 +60,6 @@ class Look:
     """Areas by which chambers are open to ports and grooves. [m2]"""
     trapped: BoolArray
     """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
-
-    def at(self, rows: IntArray, history: History) -> Look:
-        """Part of it that a history with fewer samples has."""
-        part = {name: values[rows] for name, values in self.seen._asdict().items()}
-        seen = self.seen._replace(**part)
-        return Look(history, seen, self.openings[rows], self.trapped[rows])
 
     def trapped_losses(self) -> dict[str, float]:
         """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
@@ -108,7 +102,9 @@ def looks_at(history: History) -> tuple[Look, Look]:
     rows = np.searchsorted(close.history.times, history.times)
     rows = np.minimum(rows, close.history.times.size - 1)
     if np.array_equal(close.history.times[rows], history.times):
-        return close.at(rows, history), close
+        part = {name: values[rows] for name, values in close.seen._asdict().items()}
+        seen = close.seen._replace(**part)
+        return Look(history, seen, close.openings[rows], close.trapped[rows]), close
     return look_at(history), close
 
 

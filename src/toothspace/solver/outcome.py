@@ -15,7 +15,7 @@ from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import displaced_gap, loaded_contacts, relative_rotation
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import MachineDescription, categories_of
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
 from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES
 from toothspace.model.path_category import (
@@ -79,6 +79,12 @@ def solution_from(
     span = abs(condition.inlet_pressure - condition.outlet_pressure)
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
     flow = _into_drains(system, seen)
+    leaking = [system.categories.index(category) for category in kinds]
+    category = system.arrays.path_index[:, col.CATEGORY]
+
+    def by_path(paths: Array) -> Array:
+        return np.stack([paths[:, category == k].sum(axis=1) for k in leaking], axis=1)
+
     values = {
         **ports,
         **constants,
@@ -92,12 +98,12 @@ def solution_from(
         **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
-        "leakage": (by_pressure + by_drag)[:, _leaking(system)]
+        "leakage": (by_pressure + by_drag)[:, leaking]
         / seen.density[:, [system.description.inlet_node]],
-        "equivalent_leakage": _by_path(system, power) / (span or np.inf),
+        "equivalent_leakage": by_path(power) / (span or np.inf),
         "drain_flow_rate": np.asarray(flow / seen.density[:, system.description.inlet_node]),
         # at the shaft, of walls that drag fluid to higher pressure
-        "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
+        "drag_torque": -by_path(seen.path_drag * seen.path_drop),
         **_dense_values(history, close),
         **teeth,
         **extra,
@@ -244,18 +250,20 @@ def window_ledger(history: History) -> Ledger:
         sums[0][port] += float(gained)
         sums[1][port] += float((gained - gas) * of_liquid + gas * of_gas)
     mass, energy = sums[0], sums[1]
+    before, after = held_in(system, first), held_in(system, last)
+    held = {name: after[name] - before[name] for name in before}
     entries |= {
         "mass_inlet": -mass["inlet"],
         "mass_outlet": mass["outlet"],
         "mass_drain": mass["drain"],
-        "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
+        "mass_stored_change": held["mass"],
         "port_inlet": -energy["inlet"] - motor * beyond,
         "circuit": valves - beyond,
         "port_outlet": energy["outlet"] + orifice + (not motor) * beyond,
         "port_drain": energy["drain"],
-        "stored_change": stored_energy(system, last) - stored_energy(system, first),
-        "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
-        "elastic_change": elastic_energy(system, last) - elastic_energy(system, first),
+        "stored_change": held["stored"],
+        "kinetic_change": held["kinetic"],
+        "elastic_change": held["elastic"],
     }
     if beyond:
         entries["load_orifice"] = orifice + beyond
@@ -265,18 +273,17 @@ def window_ledger(history: History) -> Ledger:
         entries,
         float(history.times[-1] - history.times[0]),
         float(last[0] - first[0]),
-        {c.account: c.account_label for c in system.description.path_categories},
+        {c.account: c.account_label for c in categories_of(system.description.paths)},
     )
 
 
-def stored_mass(system: System, state: Array) -> float:
-    """Mass of fluid in all dynamic nodes. [kg]."""
-    size = system.arrays.size
-    return float(state[size.mass : size.gas].sum())
+def held_in(system: System, state: Array) -> dict[str, float]:
+    """What a state holds.
 
-
-def stored_energy(system: System, state: Array) -> float:
-    """Compression energy of the fluid in all dynamic nodes. [J]."""
+    ``mass`` [kg] and compression energy ``stored`` [J] of the fluid in all dynamic nodes, energy
+    ``kinetic`` of bodies that move on their own, free shaft, load and fluid columns, and
+    ``elastic`` of compliant contacts. [J]
+    """
     arrays, size = system.arrays, system.arrays.size
     seen = observe(arrays, state[None])
     dynamic = arrays.dynamic_index >= 0
@@ -285,23 +292,19 @@ def stored_energy(system: System, state: Array) -> float:
     volume = seen.volume[0, dynamic]
     pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
     of_liquid, of_gas = partial_enthalpies(pressure, gas / mass, arrays.fluid)
-    wall = wall_energy_of(arrays, pressure)
-    return float(np.sum((mass - gas) * of_liquid + gas * of_gas - pressure * volume) + wall)
-
-
-def kinetic_energy(system: System, state: Array) -> float:
-    """Kinetic energy of bodies that move on their own, free shaft, load and fluid columns. [J]."""
-    size, motion = system.arrays.size, system.arrays.motion
+    stored = np.sum((mass - gas) * of_liquid + gas * of_gas - pressure * volume)
+    motion, drive = arrays.motion, arrays.drive
     velocity = state[size.velocity : size.column] + motion[:, col.MOTION_RATIO] * state[1]
-    shaft = system.arrays.drive[col.FREE] * system.arrays.drive[col.INERTIA] * state[1] ** 2
+    shaft = drive[col.FREE] * drive[col.INERTIA] * state[1] ** 2
     bodies = 0.5 * (np.sum(motion[:, col.MOTION_MASS] * velocity**2) + shaft)
-    return float(bodies + moving_energy_of(system.arrays, state))
-
-
-def elastic_energy(system: System, state: Array) -> float:
-    """Energy stored in compliant contacts. [J]."""
-    evaluate_state(system.arrays, state)
-    return float(np.sum(system.arrays.contact[:, col.CONTACT_ENERGY]))
+    found = {
+        "mass": mass.sum(),
+        "stored": stored + wall_energy_of(arrays, pressure),
+        "kinetic": bodies + moving_energy_of(arrays, state),
+    }
+    evaluate_state(arrays, state)
+    found["elastic"] = np.sum(arrays.contact[:, col.CONTACT_ENERGY])
+    return {name: float(value) for name, value in found.items()}
 
 
 def port_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -309,6 +312,11 @@ def port_values(history: History, seen: Observation) -> dict[str, Array]:
     system = history.system
     inlet, outlet = system.description.inlet_node, system.description.outlet_node
     sign = -1.0 if system.description.mode == "motor" else 1.0
+    # from masses and what goes on: wide ports turn pressure errors into noise of their own flow
+    into = {}
+    for port, node in (("inlet", inlet), ("outlet", outlet)):
+        stored = _stored_rate(system, history.times, history.states, port)
+        into[port] = (stored + _leaving(system, seen, node)) / seen.density[:, node]
     return {
         "shaft_angle": history.states[:, 0],
         "time": history.times,
@@ -316,8 +324,8 @@ def port_values(history: History, seen: Observation) -> dict[str, Array]:
         "shaft_torque": sign * seen.torque[:, -1],
         "inlet_pressure": seen.pressure[:, inlet],
         "outlet_pressure": seen.pressure[:, outlet],
-        "inlet_flow_rate": -into_port(history, seen, "inlet") / seen.density[:, inlet],
-        "outlet_flow_rate": into_port(history, seen, "outlet") / seen.density[:, outlet],
+        "inlet_flow_rate": -into["inlet"],
+        "outlet_flow_rate": into["outlet"],
     }
 
 
@@ -345,18 +353,6 @@ def _line_flow(history: History, seen: Observation) -> dict[str, Array]:
     node = node_places(history.system.description, condition)[port]
     flow = _leaving(history.system, seen, node) / seen.density[:, node]
     return {"line_flow_rate": -flow if motor else flow}
-
-
-def into_port(history: History, seen: Observation, port: str) -> Array:
-    """Mass flow from the machine into a port, from masses and what goes on from there. [kg/s].
-
-    Wide ports turn pressure errors within tolerance into noise of their own flow. A run that
-    failed in its first interval has none.
-    """
-    system = history.system
-    node = node_places(system.description, system.condition)[port]
-    stored = _stored_rate(system, history.times, history.states, port)
-    return np.asarray(stored + _leaving(system, seen, node))
 
 
 def _stored_rate(system: System, times: Array, states: Array, port: str) -> Array:
@@ -460,8 +456,12 @@ def _tooth_moments(history: History, seen: Observation, moment: Array) -> Array:
     for motion in system.free_motions:
         entry = description.motions[motion]
         if entry.axis == "rotation":
-            own = names.index(entry.body)
-            moments[:, own] += _contact_moment(system, seen, angle, motion)
+            own, first = names.index(entry.body), 0
+            for pair in loaded_contacts(description, system.condition):
+                force = seen.contact_force[:, first : first + pair.count]
+                places = pair.phases + pair.angle_ratio * angle[:, None]
+                moments[:, own] += np.sum(force * pair.gap_by_motion(places)[..., motion], axis=1)
+                first += pair.count
     rates = [
         family.angle_ratio
         * family.volume.derivative(family.phases + family.angle_ratio * angle[:, None])[..., 0]
@@ -473,17 +473,6 @@ def _tooth_moments(history: History, seen: Observation, moment: Array) -> Array:
     moments[:, shaft] = 0.0
     moments[:, shaft] = work - moments @ ratios
     return moments
-
-
-def _contact_moment(system: System, seen: Observation, angle: Array, motion: int) -> Array:
-    """Moment of the contacts on a rotation. [N m]."""
-    total, first = np.zeros(angle.size), 0
-    for pair in loaded_contacts(system.description, system.condition):
-        force = seen.contact_force[:, first : first + pair.count]
-        lever = pair.gap_by_motion(pair.phases + pair.angle_ratio * angle[:, None])[..., motion]
-        total += np.sum(force * lever, axis=1)
-        first += pair.count
-    return total
 
 
 def _body_positions(history: History) -> Array:
@@ -538,16 +527,6 @@ def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     present = history.system.description.friction_mechanisms
     torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
-
-
-def _by_path(system: System, values: Array) -> Array:
-    """Sum over all paths of the same kind, shape (samples, kinds)."""
-    category = system.arrays.path_index[:, col.CATEGORY]
-    return np.stack([values[:, category == k].sum(axis=1) for k in _leaking(system)], axis=1)
-
-
-def _leaking(system: System) -> list[int]:
-    return [system.categories.index(category) for category in leakage_categories(system)]
 
 
 def leakage_categories(system: System) -> list[PathCategory]:

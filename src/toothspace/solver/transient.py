@@ -129,7 +129,11 @@ class TransientMarch:
                 break
             if kink is not None:
                 state = march.state.y.copy()
-                speed = self._speed()
+                # as the case or a unit gives it
+                speed = schedule
+                if circuit is not None and circuit.leads("speed"):
+                    first = int(self.system.arrays.drive[col.SPEED_KNOT])
+                    speed = self.system.arrays.schedule[first : first + 2]
                 if len(speed):
                     state[1] = np.interp(kink, speed[:, 0], speed[:, 1])
                 self.exchange.meet(kink, state)
@@ -158,15 +162,6 @@ class TransientMarch:
                 settle(self.system, state, time)
             march.restart(time, state)
         return np.vstack(parts)
-
-    def _speed(self) -> Array:
-        """Prescribed speed over time, as the case or a unit gives it."""
-        condition = self.system.condition
-        if condition.circuit is None or not condition.circuit.leads("speed"):
-            return condition.speed_schedule
-        drive, schedule = self.system.arrays.drive, self.system.arrays.schedule
-        first = int(drive[col.SPEED_KNOT])
-        return schedule[first : first + 2]
 
 
 def settle(system: System, state: Array, time: float) -> None:
@@ -259,18 +254,18 @@ def _start(march: TransientMarch) -> tuple[Array, Array]:
 def _append(march: TransientMarch, stream: SampleStream, times: Array, states: Array) -> None:
     values = _values(march, times, states)
     del values["seat_position"]
-    # values that are kept: all with one number in each sample, and the chosen channels
+    # means over cells, and extremes of some, of what has one number in each sample and of the
+    # chosen channels
     channels = march.plan.channels
-    stream.append(
-        _cells(
-            {
-                name: value
-                for name, value in values.items()
-                if channels is None or value.ndim == 1 or name in channels
-            },
-            march.plan.samples_per_cell,
-        )
-    )
+    reduced = {}
+    for name, value in values.items():
+        if channels is None or value.ndim == 1 or name in channels:
+            cells = value.reshape(-1, march.plan.samples_per_cell, *value.shape[1:])
+            reduced[name] = cells.mean(axis=1)
+            if name in WITH_EXTREMES:
+                reduced[f"{name}_lowest"] = cells.min(axis=1)
+                reduced[f"{name}_highest"] = cells.max(axis=1)
+    stream.append(reduced)
     march.exchange.forget()
 
 
@@ -293,12 +288,24 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         for k, element in enumerate(circuit.elements if circuit else ())
         if element.turns
     ]
+    # torque of the load, with its speed and the torque of the coupling where it has its own
+    shaft, place, given = system.condition.free_shaft, system.arrays.size.load, _load_history(march)
+    if shaft is None or shaft.coupling is None:
+        load = {"load_torque": _load(system, times, states[:, 1], given)}
+    else:
+        speed, twist, coupling = states[:, place + 1], states[:, place], shaft.coupling
+        load = {
+            "load_torque": _load(system, times, speed, given),
+            "load_speed": speed,
+            "coupling_torque": coupling.stiffness * twist
+            + coupling.damping * (states[:, 1] - speed),
+        }
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
         ports["shaft_torque"] = np.where(states[:, 1] == 0.0, 0.0, ports["shaft_torque"])
     return {
         **ports,
-        **_load_values(system, times, states, _load_history(march)),
+        **load,
         **_drive_values(march, times, states[:, 1]),
         "supply_speed": np.interp(times, *pumps[0].T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
@@ -333,20 +340,6 @@ def _drive_values(march: TransientMarch, times: Array, speed: Array) -> dict[str
     }
 
 
-def _load_values(system: System, times: Array, states: Array, history: Array) -> dict[str, Array]:
-    """Torque of the load, and its speed and the torque of the coupling where it has its own."""
-    shaft, place = system.condition.free_shaft, system.arrays.size.load
-    if shaft is None or shaft.coupling is None:
-        return {"load_torque": _load(system, times, states[:, 1], history)}
-    speed, twist = states[:, place + 1], states[:, place]
-    torque = shaft.coupling.stiffness * twist + shaft.coupling.damping * (states[:, 1] - speed)
-    return {
-        "load_torque": _load(system, times, speed, history),
-        "load_speed": speed,
-        "coupling_torque": torque,
-    }
-
-
 def _load(system: System, times: Array, speed: Array, history: Array) -> Array:
     shaft = system.condition.free_shaft
     if shaft is None:
@@ -356,18 +349,6 @@ def _load(system: System, times: Array, speed: Array, history: Array) -> Array:
     if len(history):
         torque += np.interp(times, *history.T)
     return np.asarray(torque)
-
-
-def _cells(values: Mapping[str, Array], samples: int) -> dict[str, Array]:
-    """Means of cells of so many samples, and their extremes where they are kept."""
-    reduced = {}
-    for name, value in values.items():
-        cells = value.reshape(-1, samples, *value.shape[1:])
-        reduced[name] = cells.mean(axis=1)
-        if name in WITH_EXTREMES:
-            reduced[f"{name}_lowest"] = cells.min(axis=1)
-            reduced[f"{name}_highest"] = cells.max(axis=1)
-    return reduced
 
 
 def _nodes(system: System) -> dict[str, int]:

@@ -393,7 +393,7 @@ def prepare(case: Case, friction: HousingContact | None) -> LateralPoints:
     own = balance.floating.housing
     friction = own if friction is None else replace(friction, area=own.area)
     floating = replace(balance.floating, housing=friction)
-    machine = replace(run.machine, lateral_balance=replace(balance, floating=floating))
+    machine = run.machine.with_balance(replace(balance, floating=floating))
     settings = lateral_settings(case)
     if friction.law != STICK:
         settings = replace(settings, dwell=_CREEP_TIME)

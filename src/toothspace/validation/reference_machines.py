@@ -45,19 +45,19 @@ def pumps() -> dict[str, dict[str, str]]:
     return {row["id"]: row for row in rows_of("service_manuals", "lubricating_gerotors.csv")}
 
 
-def _between(row: dict[str, str], name: str, place: str) -> float:
-    """Clearance at an end or in the middle of its range. [mm]."""
-    low, high = (float(row[f"{name}_clearance_{end}_mm"]) for end in ("min", "max"))
-    return {"min": low, "mid": 0.5 * (low + high), "max": high}[place]
-
-
 def pump_overrides(row: dict[str, str], place: str, point: int) -> tuple[str, ...]:
     """Changes that make the trochoidal reference pump that of a manual.
 
     Feeler gauges find twice the gap of centred lobes, the play of the rotor on its diameter and
     that of both faces together.
     """
-    tip, side, housing = (500.0 * _between(row, n, place) for n in ("tip", "side", "case"))
+    tip, side, housing = (
+        500.0 * {"min": low, "mid": 0.5 * (low + high), "max": high}[place]
+        for low, high in (
+            [float(row[f"{name}_clearance_{end}_mm"]) for end in ("min", "max")]
+            for name in ("tip", "side", "case")
+        )
+    )
     inner, root = _CAVITY - _ECCENTRICITY, _CAVITY - 3.0 * _ECCENTRICITY
     rise = float(row[f"pressure_{point}_kPa"]) / 100.0
     return (
@@ -353,8 +353,20 @@ def _fuel_aims(effort: Effort) -> Evidence:
 def _gerotor(case: str, low: float, high: float, effort: Effort) -> Evidence:
     numbers = _warm_gerotor(case, effort)
     parts = _efficiencies(numbers, {"volumetric_efficiency": (low, high)})
-    curves = _beside_measured(case) if effort == "full" else _over_angle(case, effort)
-    return Evidence((*parts, _temperature(numbers)), curves)
+    if effort != "full":
+        return Evidence((*parts, _temperature(numbers)), _over_angle(case, effort))
+    # at the points of the measured pump, whose size forbids a verdict
+    curves = []
+    for speed, (pressures, measured) in HYDRECO_1919.items():
+        held = case, "operating_point.outlet_load=fixed_pressure", _COARSE
+        at_speed = *held, f'operating_point.shaft_speed="{speed} rpm"'
+        outlets = [f'operating_point.outlet_pressure="{p + 1.0} bar"' for p in pressures]
+        found = [solved(*at_speed, p).summary()["volumetric_efficiency"] for p in outlets]
+        title = f"Volumetric efficiency at {speed} rpm beside a far larger pump"
+        axes = "pressure difference (bar)", "volumetric efficiency"
+        points = np.array(pressures), np.array(found, dtype=float), np.array(measured)
+        curves.append(ComparedCurve(title, *axes, *points))
+    return Evidence((*parts, _temperature(numbers)), tuple(curves))
 
 
 def _gerotor_aims(effort: Effort) -> Evidence:
@@ -368,21 +380,6 @@ def _gerotor_aims(effort: Effort) -> Evidence:
 def _warm_gerotor(case: str, effort: Effort) -> dict[str, Any]:
     coarse = (_COARSE,) if effort == "short" else ()
     return dict(solved(case, _WARM, *coarse).summary())
-
-
-def _beside_measured(case: str) -> tuple[ComparedCurve, ...]:
-    """Volumetric efficiency at the points of the measured pump; its size forbids a verdict."""
-    curves = []
-    for speed, (pressures, measured) in HYDRECO_1919.items():
-        held = case, "operating_point.outlet_load=fixed_pressure", _COARSE
-        at_speed = *held, f'operating_point.shaft_speed="{speed} rpm"'
-        outlets = [f'operating_point.outlet_pressure="{p + 1.0} bar"' for p in pressures]
-        found = [solved(*at_speed, p).summary()["volumetric_efficiency"] for p in outlets]
-        title = f"Volumetric efficiency at {speed} rpm beside a far larger pump"
-        axes = "pressure difference (bar)", "volumetric efficiency"
-        points = np.array(pressures), np.array(found, dtype=float), np.array(measured)
-        curves.append(ComparedCurve(title, *axes, *points))
-    return tuple(curves)
 
 
 def _map(effort: Effort) -> Evidence:

@@ -56,6 +56,7 @@ class FakeCheck:
 
 @dataclass
 class FakeDescription:
+    lateral_balance = None
     geometry_summary: Mapping[str, Any] = field(
         default_factory=lambda: {"displacement_cm3_per_rev": 4.949}
     )

@@ -130,7 +130,7 @@ def test_files_of_other_machines_are_refused(
     with pytest.raises(CaseError, match="loads without an equilibrium"):
         with_film_tables(machine, tmp_path / "e.nc")
     with pytest.raises(CaseError, match="floating part in balance"):
-        with_film_tables(replace(machine, lateral_balance=None), good)
+        with_film_tables(replace(machine, floating=None), good)
 
 
 class _Solved:

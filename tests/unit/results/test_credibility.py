@@ -92,7 +92,7 @@ def test_every_simulated_case_is_checked(monkeypatch: pytest.MonkeyPatch) -> Non
 
     monkeypatch.setattr(lumped, "simulate", lambda *_: fake_solution())
     assert not simulate(case).warnings
-    monkeypatch.setattr("toothspace.api.known_pressure", lambda _: 100e5)
+    monkeypatch.setattr("toothspace.api.fluid_limits", lambda _: (100e5, (0.0, 1e3)))
     (told,) = simulate(case).warnings
     assert "known to 100 bar" in told.sentence
 

@@ -10,7 +10,7 @@ import pytest
 from toothspace import api
 from toothspace.core.status import Status
 from toothspace.results.solution import load_solution
-from toothspace.run.running_in import Tracks
+from toothspace.run.running_in import named_depths
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"
 ONE_MORE = ["machine.driven_gear.tooth_count=13"]
@@ -46,7 +46,8 @@ def test_tracks_of_unequal_gears_lie_over_one_casing_angle() -> None:
         return 4e-6 * np.maximum(0.0, np.cos(angle - 4.0)) ** 4
 
     depths = {"drive_gear": track(720), "driven_gear": track(780)}
-    values = Tracks(depths).values([body.name for body in description.bodies])
+    bodies = [body.name for body in description.bodies]
+    values = named_depths("running_in_depth", depths, bodies)
     table, angle = values["running_in_depth"], values["casing_angle"]
     assert table.shape == (2, angle.size)
     np.testing.assert_allclose(table[1], depths["driven_gear"], atol=1e-18)

@@ -5,7 +5,7 @@ import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
 import { Machine } from "./machine.js";
 import { showStart } from "./start.js";
-import { fromShown, named, number, settingsForm, text, toShown, units, unitShown } from "./units.js";
+import { factor, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
 const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
@@ -35,8 +35,8 @@ async function open(id) {
   by("tiles").replaceChildren(); by("verdict").textContent = ""; by("curves").replaceChildren(); curves.plots.clear();
   take(found);
   choose("answer");
-  await look({}, false, true);
   solve();
+  await look({}, false, true);
 }
 function take(found) {
   design = found;
@@ -60,6 +60,7 @@ async function look(values, drag, fit = false) {
   machine.show(found.section, found.handles, fit);
   if (!drag) dimensions();
   geometry();
+  if (!drag && !machine.turning && answer?.findings) fetchTurning(); // the answer was here first
 }
 // the newest values win; one question is under way at a time
 async function lookSoon(values) {
@@ -89,9 +90,8 @@ function commit() {
 function change(given) {
   clearTimeout(settleTimer);
   changing = changing.then(() => attempt(async () => {
-    try { take(await ask(`/api/designs/${design.id}/change`, given)); }
+    try { take(await ask(`/api/designs/${design.id}/change`, given)); solve(); } // drawing and answer come from two processes
     finally { for (const handle of machine.handles) { delete handle.now; } wantLook = null; await look({}, false); }
-    solve();
   }));
   return changing;
 }
@@ -167,7 +167,7 @@ function tile(key, value, before) {
   const { label, unit } = named(key), percent = key.endsWith("efficiency"), scale = percent ? 100 : 1;
   const shown = v => v === null || v === undefined ? null : toShown(v * scale, unit);
   const difference = before === null || before === undefined || value === null ? null : shown(value) - shown(before);
-  return element("div", { className: "tile", title: key }, element("small", { textContent: label }), element("b", { textContent: `${text(shown(value))} ${percent ? "%" : unitShown(unit)}` }),
+  return element("div", { className: "tile", title: key }, element("small", { textContent: label }), element("b", { textContent: `${text(shown(value))} ${percent ? "%" : unitShown(unit)}`.replace(" °", unitShown(unit) === "°" ? "°" : " °") }),
     element("i", { textContent: difference === null || Math.abs(difference) < 1e-4 * Math.abs(shown(value)) ? "" : `${difference > 0 ? "+" : "−"}${text(Math.abs(difference), 3)} from before` }));
 }
 function sentence() {
@@ -211,12 +211,13 @@ let geometryBefore = null;
 function geometry() {
   if (by("panel-geometry").hidden) return;
   by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof shape.numbers[key] === "number").map(key => tile(key, shape.numbers[key], geometryBefore?.[key])));
-  areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: one.family.replace(/_/g, " "), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
+  areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
   const rules = [...shape.rules].sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
-  const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: r.shown })), element("p", { className: "small", textContent: `Allowed: ${r.allowed}. ${r.reason}` }));
+  const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: pretty(r.shown) })), element("p", { className: "small", textContent: `Allowed: ${pretty(r.allowed)}. ${r.reason}` }));
   const more = by("rules").querySelector(":scope > details.more");
   by("rules").replaceChildren(element("p", { textContent: failed.length ? `${failed.length} of ${rules.length} rules are not met.` : `All ${rules.length} rules are met.`, className: failed.length ? "bad" : "good" }), ...failed.map(line), element("details", { className: "more", open: more?.open ?? !failed.length }, element("summary", { textContent: `Met (${met.length})` }), ...met.map(line)));
 }
+const sentenceCase = name => { const t = name.replace(/_/g, " "); return t[0].toUpperCase() + t.slice(1); };
 function flat(tables, path = "", found = {}) {
   for (const [key, value] of Object.entries(tables)) { const place = path ? `${path}.${key}` : key; if (value && typeof value === "object" && !Array.isArray(value)) flat(value, place, found); else found[place] = typeof value === "string" ? value : JSON.stringify(value); }
   return found;
@@ -232,7 +233,7 @@ function showVariants() {
     ...keys.map(key => element("tr", { className: "differs", title: key }, element("td", { textContent: key.replace(/^machine\./, "").replace(/[._]/g, " ") }), ...states.map(([, t]) => cell(t[key])))),
     ...rows.map(key => { const { label, unit } = named(key), percent = key.endsWith("efficiency"), first = states[0][2][key]; return element("tr", { title: key }, element("td", { textContent: `${label}${unit ? `, ${unitShown(unit)}` : percent ? ", %" : ""}` }), ...states.map(([, , n], k) => { const v = n[key]; if (typeof v !== "number") return cell(null); const s = percent ? 100 : 1, shown = toShown(v * s, unit), d = typeof first === "number" ? shown - toShown(first * s, unit) : 0; return cell(text(shown) + (k && Math.abs(d) > 1e-4 * Math.abs(shown) ? ` (${d > 0 ? "+" : "−"}${text(Math.abs(d), 2)})` : "")); })); })));
 }
-async function variant(given, solved = false) { await attempt(async () => { take(await ask(`/api/designs/${design.id}/variant`, given)); if (solved) { await look({}, false); solve(); } }); }
+async function variant(given, solved = false) { await attempt(async () => { take(await ask(`/api/designs/${design.id}/variant`, given)); if (solved) { solve(); await look({}, false); } }); }
 let fidelities = null;
 const took = {};
 async function showCircuit() {
@@ -286,21 +287,33 @@ function studyForm() {
   const form = by("study-form"), choice = (name, list, label) => element("label", {}, `${label} `, element("select", { name }, ...list.map(([v, t]) => element("option", { value: v, textContent: t }))));
   const options = (shape?.handles ?? []).map(h => [h.path, h.label]), goals = TILES.slice(0, 12).map(k => [k, named(k).label]);
   const field = (name, label, value) => element("label", {}, `${label} `, element("input", { name, type: "text", value, size: 7 }));
-  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"]], "Study"), key = choice("key", options, "Dimension");
-  const chosen = () => shape.handles.find(h => h.path === key.querySelector("select").value);
+  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"], ["tolerance", "Tolerance of one dimension"], ["efficiency_map", "Efficiency map"]], "Study"), key = choice("key", options, "Dimension");
+  const chosen = () => shape.handles.find(h => h.path === key.querySelector("select").value), shownUnit = element("span", { className: "small" });
   const from = field("from", "From", ""), to = field("to", "To", ""), count = field("count", "Points", "5"), goal = choice("goal", [["maximise", "highest"], ["minimise", "lowest"]], "Goal"), objective = choice("objective", goals, "of");
-  const fill = () => { const h = chosen(); if (!h) return; from.lastChild.value = text(toShown(h.low, h.unit)); to.lastChild.value = text(toShown(h.high, h.unit)); };
+  const width = field("tolerance", "Tolerance ±", ""), samples = field("samples", "Machines", "24");
+  const speeds = [field("slowest", "Speed from", "500"), field("fastest", "to", "3000"), element("span", { className: "small", textContent: "rpm" })];
+  const pressures = [field("lowest", "Pressure difference from", text(toShown(50, "bar"), 3)), field("highest", "to", text(toShown(200, "bar"), 3)), element("span", { className: "small", textContent: unitShown("bar") })];
+  const fill = () => { const h = chosen(); if (!h) return; from.lastChild.value = text(toShown(h.low, h.unit)); to.lastChild.value = text(toShown(h.high, h.unit)); width.lastChild.value = text(.05 * Math.abs(h.value) * factor(h.unit), 3); shownUnit.textContent = unitShown(h.unit); };
   if (lastMoved && options.some(([p]) => p === lastMoved)) key.querySelector("select").value = lastMoved;
   key.onchange = fill;
-  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, count, goal, objective), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Maps, tolerances, start-up, hysteresis and the other studies: table “Study” under All keys, then Full run." }));
-  const both = () => { const optimise = kind.querySelector("select").value === "optimise"; goal.hidden = objective.hidden = !optimise; count.hidden = optimise; };
+  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, width, shownUnit, count, samples, goal, objective), element("div", { className: "row" }, ...speeds), element("div", { className: "row" }, ...pressures), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Start-up, hysteresis and the other studies: open their case on the first page, or table “Study” under All keys, then Full run." }));
+  const both = () => {
+    const one = kind.querySelector("select").value, seen = (list, wanted) => { for (const box of list) box.hidden = !wanted; };
+    seen([key, shownUnit], one !== "efficiency_map"); seen([from, to], one === "sweep" || one === "optimise"); seen([count], one === "sweep" || one === "efficiency_map");
+    seen([width, samples], one === "tolerance"); seen([goal, objective], one === "optimise"); seen([...speeds, ...pressures], one === "efficiency_map");
+  };
   kind.onchange = both; both(); fill();
   form.onsubmit = event => {
     event.preventDefault();
-    const h = chosen(), data = new FormData(form), a = fromShown(number(data.get("from")), h.unit), b = fromShown(number(data.get("to")), h.unit), n = Math.max(2, Math.round(number(data.get("count"))));
-    const value = v => written(h, Number(v.toPrecision(6)));
-    const study = data.get("kind") === "sweep" ? { kind: "sweep", vary: { [h.path]: Array.from({ length: n }, (_, k) => value(a + (b - a) * k / (n - 1))) } } : { kind: "optimise", objective: data.get("objective"), goal: data.get("goal"), vary: { [h.path]: { from: value(a), to: value(b) } } };
-    startRun("study", { study });
+    const h = chosen(), data = new FormData(form), of = name => number(data.get(name)), a = fromShown(of("from"), h.unit), b = fromShown(of("to"), h.unit), n = Math.max(2, Math.round(of("count")));
+    const value = v => written(h, Number(v.toPrecision(6))), bar = name => `${Number(fromShown(of(name), "bar").toPrecision(6))} bar`;
+    const studies = {
+      sweep: () => ({ kind: "sweep", vary: { [h.path]: Array.from({ length: n }, (_, k) => value(a + (b - a) * k / (n - 1))) } }),
+      optimise: () => ({ kind: "optimise", objective: data.get("objective"), goal: data.get("goal"), vary: { [h.path]: { from: value(a), to: value(b) } } }),
+      tolerance: () => ({ kind: "tolerance", sample_count: Math.max(2, Math.round(of("samples"))), vary: { [h.path]: { tolerance: value(of("tolerance") / factor(h.unit)) } } }),
+      efficiency_map: () => ({ kind: "efficiency_map", shaft_speed: { from: `${of("slowest")} rpm`, to: `${of("fastest")} rpm`, count: n }, pressure_difference: { from: bar("lowest"), to: bar("highest"), count: n } }),
+    };
+    startRun("study", { study: studies[data.get("kind")]() });
   };
 }
 
@@ -333,7 +346,7 @@ by("variant-form").onsubmit = event => { event.preventDefault(); variant({ actio
 by("text-apply").onclick = () => change({ toml: by("text").value });
 by("text-reset").onclick = () => showText();
 for (const button of document.querySelectorAll("[data-run]")) button.onclick = () => startRun(button.dataset.run);
-const undo = again => attempt(async () => { take(await ask(`/api/designs/${design.id}/undo`, { again })); await look({}, false); solve(); });
+const undo = again => attempt(async () => { take(await ask(`/api/designs/${design.id}/undo`, { again })); solve(); await look({}, false); });
 by("undo").onclick = () => undo(false); by("redo").onclick = () => undo(true);
 addEventListener("keydown", event => { if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && design && !["INPUT", "TEXTAREA"].includes(document.activeElement.tagName)) { event.preventDefault(); undo(event.shiftKey); } });
 by("measured").onchange = async event => {
@@ -352,7 +365,7 @@ events.onmessage = ({ data }) => {
   if (kind === "run") { runsTold += 1; runs = [value, ...runs.filter(r => r.id !== value.id)].sort((a, b) => b.begun - a.begun); if (design && !by("panel-runs").hidden) showRuns(); }
   if (kind === "answer" && value.design === design?.id && !by("stop").hidden) say(`${value.text} …`);
   // another tab has changed this design
-  if (kind === "design" && value.id === design?.id && value.version > design.version && !machine.held) changing = changing.then(async () => { if (value.version <= design.version) return; take(await ask(`/api/designs/${design.id}`)); await look({}, false); solve(); });
+  if (kind === "design" && value.id === design?.id && value.version > design.version && !machine.held) changing = changing.then(async () => { if (value.version <= design.version) return; take(await ask(`/api/designs/${design.id}`)); solve(); await look({}, false); });
 };
 async function route() {
   const id = location.hash.slice(1);

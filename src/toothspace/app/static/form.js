@@ -1,7 +1,7 @@
 // All keys of a case, built from its JSON Schema: labels in plain words, the key behind a hover.
 import { element } from "./dom.js";
 
-const unquoted = text => text.replace(/ with its unit in quotes, such as '([^']*)'/g, ", such as $1");
+const unquoted = text => text.replace(/`/g, "").replace(/ with its unit in quotes, such as '([^']*)'/g, ", such as $1");
 const words = name => { const text = name.replace(/_/g, " "); return text[0].toUpperCase() + text.slice(1); };
 const isTable = s => s.properties !== undefined || s.oneOf?.[0]?.properties !== undefined;
 const join = (path, name) => path ? `${path}.${name}` : name;

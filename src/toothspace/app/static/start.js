@@ -51,20 +51,50 @@ export function cadDialog(begin) {
     for (const file of list) { const { name } = await ask(`/api/files/${encodeURIComponent(file.name)}`, undefined, { method: "PUT", body: file }); if (!name.endsWith(".toml")) names.push(name); else await begin({ case: name }); files.append(element("li", { textContent: name })); }
     if (names.length) await read();
   });
+  const leftOut = new Map();
   const read = () => attempt(async () => {
-    found.replaceChildren("Reading …");
-    const told = await ask("/api/found", { names, unit: unit.value });
-    found.replaceChildren(element("h3", { textContent: "Found" }), reportTable(told.report), ...told.warnings.map(w => element("p", { className: "bad small", textContent: w })), told.problem ? element("p", { className: "bad", textContent: told.problem }) : "");
-    if (!told.toml) return;
-    const area = element("textarea", { value: told.toml, rows: 18, spellcheck: false, ariaLabel: "First case" });
+    found.setAttribute("aria-busy", "true"); if (!found.childElementCount) found.replaceChildren("Reading …");
+    const told = await ask("/api/found", { names, unit: unit.value, left_out: [...leftOut.values()] });
     const guessed = told.toml.split("\n").filter(line => /assumed/.test(line) && !line.startsWith("#"));
-    found.append(element("h3", { textContent: "Guessed: put in your own" }), element("ul", { className: "small" }, ...guessed.map(line => element("li", { textContent: line }))), element("h3", { textContent: "First case" }), area,
+    found.removeAttribute("aria-busy");
+    found.replaceChildren(bodiesDrawing(told.bodies, leftOut, read), element("div", { className: "beside" },
+      element("section", {}, element("h3", { textContent: "Found" }), reportTable(told.report)),
+      element("section", {}, element("h3", { textContent: "Guessed: put in your own" }), guessed.length ? guessTable(guessed) : element("p", { className: "small", textContent: told.toml ? "Nothing." : "No machine yet." }))),
+      ...told.warnings.map(w => element("p", { className: "bad small", textContent: w })), told.problem ? element("p", { className: "bad", textContent: told.problem }) : "");
+    if (!told.toml) return;
+    const area = element("textarea", { value: told.toml, rows: 14, spellcheck: false, ariaLabel: "First case" });
+    found.append(element("h3", { textContent: "First case" }), area,
       element("div", { className: "row" }, element("button", { className: "first", textContent: "Open on the bench", onclick: () => { by("cad-dialog").close(); begin({ toml: area.value }); } })));
   });
   input.onchange = () => take(input.files); unit.onchange = () => names.length && read();
   box.replaceChildren(element("h2", { textContent: "Check my CAD" }), element("p", { className: "small", textContent: "Gears, rotors, casing and bearing blocks of one frame. Files are kept in the folder of this session." }), element("div", { className: "row" }, input, element("label", { style: "display:flex" }, "Unit ", unit)), files, found, element("div", { className: "row" }, element("button", { textContent: "Close", onclick: () => by("cad-dialog").close() })));
   box.ondragover = event => event.preventDefault(); box.ondrop = event => { event.preventDefault(); take(event.dataTransfer.files); };
   by("cad-dialog").showModal();
+}
+// bodies of solid files in one section: a click takes one out of the machine, or back in
+function bodiesDrawing(bodies, leftOut, changed) {
+  const box = element("div");
+  if (bodies.length < 2) return box;
+  const key = b => `${b.file} ${b.body}`, points = bodies.flatMap(b => b.outlines.flat()), x = points.map(p => p[0]), y = points.map(p => p[1]);
+  const [l, r, low, high] = [Math.min(...x), Math.max(...x), Math.min(...y), Math.max(...y)], room = .04 * Math.max(r - l, high - low);
+  const make = (kind, attributes) => { const e = document.createElementNS("http://www.w3.org/2000/svg", kind); for (const [n, v] of Object.entries(attributes)) e.setAttribute(n, v); return e; };
+  const drawing = make("svg", { class: "bodies", viewBox: `${l - room} ${-high - room} ${r - l + 2 * room} ${high - low + 2 * room}`, role: "group", "aria-label": "Bodies in the files" });
+  const area = b => { const o = b.outlines[0] ?? []; let sum = 0; o.forEach((p, k) => { const q = o[(k + 1) % o.length]; sum += p[0] * q[1] - q[0] * p[1]; }); return Math.abs(sum); };
+  const list = element("ul", { className: "small list" }), toggle = b => { if (leftOut.has(key(b))) leftOut.delete(key(b)); else leftOut.set(key(b), [b.file, b.body]); changed(); };
+  const called = b => `${b.name || `body ${b.body + 1}`} (${b.file}): ${b.teeth ? `${b.kind} of ${b.teeth} teeth` : "no teeth"}`;
+  for (const b of [...bodies].sort((p, q) => area(q) - area(p))) {
+    const out = leftOut.has(key(b)), path = make("path", { d: b.outlines.map(o => `M${o.map(([p, q]) => `${p} ${-q}`).join("L")}Z`).join(""), class: `body ${b.teeth ? "teeth" : ""} ${out ? "out" : ""}`, tabindex: 0, role: "checkbox", "aria-checked": !out, "aria-label": called(b) });
+    path.dataset.body = key(b);
+    path.append(Object.assign(make("title", {}), { textContent: `${called(b)}. Click to ${out ? "take it in" : "leave it out"}.` }));
+    path.addEventListener("click", () => toggle(b)); path.addEventListener("keydown", event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); toggle(b); } });
+    drawing.append(path);
+  }
+  for (const b of bodies) { const tick = element("input", { type: "checkbox", checked: !leftOut.has(key(b)) }); tick.onchange = () => toggle(b); list.append(element("li", {}, element("label", { style: "display:flex" }, tick, called(b)))); }
+  box.append(element("h3", { textContent: "Bodies: click those that do not belong to the machine" }), drawing, list);
+  return box;
+}
+function guessTable(lines) {
+  return element("table", {}, ...lines.map(line => { const [given, note = ""] = line.split("#"), [name, value = ""] = given.split("="); return element("tr", { title: name.trim() }, element("td", { textContent: name.trim().replace(/_/g, " ") }), element("td", { textContent: value.trim().replace(/^"|"$/g, "") }), element("td", { textContent: note.trim() })); }));
 }
 function reportTable(report) {
   const rows = [], walk = (value, path) => {

@@ -55,7 +55,10 @@ class Entry:
         native = self._library.entries.get(name_of(self.py_func))
         if native is None:
             return None
-        return native, self._library.call, self._library.release, _class_of(native.classes)
+        # class of the named tuple that an entry gives, if it gives one
+        named = re.match(r"([\w.]+)\.(\w+)\(", native.classes)
+        made = named and getattr(import_module(f"toothspace.{named[1]}"), named[2])
+        return native, self._library.call, self._library.release, made
 
     @cached_property
     def _numba_type_(self) -> Any:
@@ -75,11 +78,3 @@ class Entry:
             return self.just_in_time
         except ImportError:
             return self.py_func
-
-
-def _class_of(results: str) -> Any:
-    """Class of the named tuple that an entry gives, if it gives one."""
-    named = re.match(r"([\w.]+)\.(\w+)\(", results)
-    if named is None:
-        return None
-    return getattr(import_module(f"toothspace.{named[1]}"), named[2])

@@ -19,7 +19,6 @@ from functools import cache
 from importlib.machinery import ExtensionFileLoader
 from importlib.metadata import version
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
-from pathlib import Path
 from typing import Any
 
 from toothspace.core.compilation.sources import PACKAGE, digest_of_modules
@@ -120,7 +119,12 @@ def _opened() -> Library | str:
     try:
         library = ctypes.CDLL(str(path))
         table = json.loads(ctypes.c_char_p.in_dll(library, "toothspace_table").value or b"{}")
-        caller = _caller(FOLDER / CALLER)
+        loader = ExtensionFileLoader("caller", str(FOLDER / CALLER))
+        spec = spec_from_file_location("caller", loader.path, loader=loader)
+        if spec is None:
+            return f"{loader.path} is no extension"
+        caller = module_from_spec(spec)
+        loader.exec_module(caller)
     except (OSError, ValueError, ImportError) as error:
         return f"{path} cannot be used: {error}"
     if digest_of_modules(table["modules"]) != table["digest"]:
@@ -140,13 +144,3 @@ def _opened() -> Library | str:
 def _short(types: str) -> bytes:
     """Types without the names of classes."""
     return re.sub(r"[\w.]+\(", "(", types).encode()
-
-
-def _caller(path: Path) -> Any:
-    loader = ExtensionFileLoader("caller", str(path))
-    spec = spec_from_file_location("caller", path, loader=loader)
-    if spec is None:
-        raise ImportError(f"{path} is no extension")
-    module = module_from_spec(spec)
-    loader.exec_module(module)
-    return module

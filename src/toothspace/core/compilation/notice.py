@@ -54,7 +54,9 @@ class Notice:
         finally:
             self._depth = 0
             self.seconds += time.perf_counter() - self._started
-            self._clear()
+            if sys.stderr.isatty() and self._shown > self._started:
+                sys.stderr.write("\r\x1b[K")
+                sys.stderr.flush()
 
     def step(self) -> None:
         """Count a function that is about to be compiled."""
@@ -71,11 +73,6 @@ class Notice:
         text = f"Compiling {self._done}/{self._expected}, once, kept in {compiled_folder()}"
         sys.stderr.write(f"\r{text}\x1b[K" if over else f"{text}\n")
         sys.stderr.flush()
-
-    def _clear(self) -> None:
-        if sys.stderr.isatty() and self._shown > self._started:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
 
 
 NOTICE = Notice()

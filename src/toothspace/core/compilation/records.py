@@ -56,24 +56,21 @@ class RecordAddress(types.Type):
         self.format = ""
         for name, kind in fields:
             self.places[name] = struct.calcsize("=" + self.format)
-            self.format += _format(class_name, name, kind)
+            if isinstance(kind, RecordAddress):
+                self.format += str(kind.format)
+            elif isinstance(kind, types.Array):
+                # size, data, shape and strides
+                self.format += "q" * (2 + 2 * kind.ndim)
+            elif kind in _FORMATS:
+                self.format += _FORMATS[kind]
+            else:
+                raise TypeError(
+                    f"{class_name}.{name}: found {kind}, allowed an array, an integer, a real "
+                    "number or another class passed by address"
+                )
         text = repr([(name, str(kind)) for name, kind in fields])
         # short names: they stand in the name of every compiled function
         super().__init__(f"{class_name}.{hashlib.sha256(text.encode()).hexdigest()[:12]}")
-
-
-def _format(class_name: str, name: str, kind: types.Type) -> str:
-    """Words of a field: scalar, size, data, shape and strides of an array, or nested record."""
-    if isinstance(kind, RecordAddress):
-        return str(kind.format)
-    if isinstance(kind, types.Array):
-        return "q" * (2 + 2 * kind.ndim)
-    if kind in _FORMATS:
-        return _FORMATS[kind]
-    raise TypeError(
-        f"{class_name}.{name}: found {kind}, allowed an array, an integer, a real number "
-        "or another class passed by address"
-    )
 
 
 _BY_ADDRESS: set[type] = set()

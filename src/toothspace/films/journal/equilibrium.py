@@ -92,7 +92,16 @@ def _sunk(
         length = float(np.hypot(*error))
         if length <= _TOLERANCE * size:
             return film
-        pace, step = _sinking_step(film, error, pace, longest)
+        # pace that keeps the step short [1/s], and the step over the clearance
+        clearance = film.bearing.radial_clearance
+        damping, stiffness = film.damping * clearance, film.stiffness * clearance
+        if np.linalg.cond(damping) > _SINGULAR:
+            step: Array = longest * error / length
+        else:
+            free = np.linalg.solve(damping, error)
+            pace = min(pace, float(np.hypot(*free)) / longest)
+            step = np.linalg.solve(stiffness + pace * damping, error).astype(np.float64)
+            step *= min(1.0, longest / max(float(np.hypot(*step)), 1e-300))
         place = film.eccentricity + _kept_inside(film.eccentricity, step, bearing)
         trial = _solve_at(bearing, place, film.speed, film)
         after = float(np.hypot(*(trial.force + load)))
@@ -102,20 +111,6 @@ def _sunk(
         film, longest = trial, min(1.5 * longest, _LONGEST_SINK)
         pace *= max(after / length, 0.1) * _QUICKER
     return replace(film, status=Status.NOT_CONVERGED)
-
-
-def _sinking_step(
-    film: JournalBearingSolution, error: Array, pace: float, longest: float
-) -> tuple[float, Array]:
-    """Pace that keeps the step short [1/s], and the step over the clearance."""
-    clearance = film.bearing.radial_clearance
-    damping, stiffness = film.damping * clearance, film.stiffness * clearance
-    if np.linalg.cond(damping) > _SINGULAR:
-        return pace, np.asarray(longest * error / np.hypot(*error))
-    free = np.linalg.solve(damping, error)
-    pace = min(pace, float(np.hypot(*free)) / longest)
-    step = np.linalg.solve(stiffness + pace * damping, error)
-    return pace, np.asarray(step * min(1.0, longest / max(float(np.hypot(*step)), 1e-300)))
 
 
 def _solve_at(
@@ -144,7 +139,13 @@ def _newton(
         else:
             step = np.linalg.solve(slope, error).astype(np.float64)
             step *= min(1.0, _LONGEST_STEP / max(float(np.hypot(*step)), 1e-300))
-        film = _damped_step(bearing, load, film, step)
+        # longest part of it that keeps the gap open and does not raise the error much
+        before, step = film, _kept_inside(film.eccentricity, step, bearing)
+        for _ in range(8):
+            film = _solve_at(bearing, before.eccentricity + step, before.speed, before)
+            if np.hypot(*(film.force + load)) < float(np.hypot(*error)):
+                break
+            step = 0.5 * step
     return replace(film, status=Status.NOT_CONVERGED)
 
 
@@ -156,21 +157,6 @@ def _slope(film: JournalBearingSolution, directions: tuple[int, ...]) -> Array:
         speeds=(False,),
         relative_tolerance=_SLOPE_TOLERANCE,
     )
-
-
-def _damped_step(
-    bearing: JournalDefinition, load: Array, film: JournalBearingSolution, step: Array
-) -> JournalBearingSolution:
-    """Longest part of a step that keeps the gap open and does not raise the error much."""
-    place = film.eccentricity
-    step = _kept_inside(place, step, bearing)
-    error = float(np.hypot(*(film.force + load)))
-    for _ in range(8):
-        trial = _solve_at(bearing, place + step, film.speed, film)
-        if np.hypot(*(trial.force + load)) < error:
-            return trial
-        step = 0.5 * step
-    return trial
 
 
 def closeness(place: Array, bearing: JournalDefinition) -> float:

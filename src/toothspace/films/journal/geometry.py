@@ -239,10 +239,12 @@ def lobed(gap: GapField, mesh: JournalMesh, lobes: Lobes, clearance: float) -> G
 
 
 @njit
-def journal_load(mesh: JournalMesh, pressure: Array, area: Array) -> Array:
+def journal_load(
+    mesh: JournalMesh, pressure: Array, area: Array
+) -> tuple[float, float, float, float]:
     """Force x, y [N] and moment about x, y [N m] on the shaft by the film pressure."""
     rows, lanes = pressure.shape
-    out = np.zeros(4)
+    along, across, about_x, about_y = 0.0, 0.0, 0.0, 0.0
     for i in range(rows):
         total, lever = 0.0, 0.0
         for j in range(lanes):
@@ -250,22 +252,19 @@ def journal_load(mesh: JournalMesh, pressure: Array, area: Array) -> Array:
             total += f
             lever += f * mesh.axial[j]
         c, s = np.cos(mesh.angle[i]), np.sin(mesh.angle[i])
-        out[0] -= total * c
-        out[1] -= total * s
-        out[2] += lever * s
-        out[3] -= lever * c
-    out[:2] *= mesh.weight
-    if mesh.weight > 1.0:
-        out[2:] = 0.0
-    else:
-        out[2:] *= mesh.weight
-    return out
+        along -= total * c
+        across -= total * s
+        about_x += lever * s
+        about_y -= lever * c
+    # both halves of a bearing that is solved by half hold each other's moments
+    both = mesh.weight if mesh.weight <= 1.0 else 0.0
+    return along * mesh.weight, across * mesh.weight, about_x * both, about_y * both
 
 
 @njit
 def journal_shear(
     gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh, law: FlowLaw
-) -> Array:
+) -> tuple[float, float, float]:
     """Integrals of the wall shear: sliding over speed and viscosity, pattern, pressure part.
 
     Returns the sums over angle and axis of ``sheared / h`` [rad], of its difference between
@@ -287,4 +286,4 @@ def journal_shear(
             pattern += sheared[i, j] * mesh.angle_step * width * difference
             drop = pressure[i, j] - pressure[west, j]
             poiseuille += half * drop * width
-    return np.array([sliding, pattern, poiseuille])
+    return sliding, pattern, poiseuille

@@ -242,10 +242,17 @@ class _OrbitStep:
 
         film, error = trial(position)
         tangent = self.tangent(film, past)
+        c, bearing = self.bearing.radial_clearance, self.bearing
         for _ in range(_STEP_PASSES):
             full = np.asarray(np.linalg.solve(tangent, error), dtype=np.float64)
             # longest part of a step that keeps the gap open and does not raise the error
-            change = self._inside(position + full, position) - position
+            start = position
+            limit = 1.0 - 0.3 * max(1.0 - closeness(start / c, bearing), 1e-3)
+
+            def opens(part: Array, start: Array = start, limit: float = limit) -> bool:
+                return bool(closeness((start + part) / c, bearing) <= limit)
+
+            change = longest_part(full, opens)
             for _ in range(_HALVINGS):
                 film, next_error = trial(position + change)
                 if np.hypot(*next_error) <= np.hypot(*error):
@@ -262,12 +269,3 @@ class _OrbitStep:
                 tangent = self.tangent(film, past)
             error = next_error
         return _ShaftStates(position, self.velocity(position, past)), film, False
-
-    def _inside(self, position: Array, before: Array) -> Array:
-        """Shorten a step that would close the gap."""
-        c, bearing = self.bearing.radial_clearance, self.bearing
-        limit = 1.0 - 0.3 * max(1.0 - closeness(before / c, bearing), 1e-3)
-        change = position - before
-        return before + longest_part(
-            change, lambda d: closeness((before + d) / c, bearing) <= limit
-        )

@@ -156,7 +156,8 @@ def contact_load(
     """Force on the shaft by asperities [N], and the torque by which they brake it [N m]."""
     if field.contact is None or bearing.surfaces is None:
         return np.zeros(2), 0.0
-    force = journal_load(field.mesh, field.contact.pressure, field.film.grid.area)[:2]
+    load = journal_load(field.mesh, field.contact.pressure, field.film.grid.area)
+    force = np.array(load[:2])
     normal = field.mesh.weight * float((field.contact.pressure * field.film.grid.area).sum())
     sense = float(np.sign(speed.shaft - speed.bush))
     return force, sense * bearing.surfaces.boundary_friction * normal * 0.5 * bearing.diameter
@@ -168,8 +169,10 @@ def friction_torques(
     """Torques on shaft and bush [N m]; a cavity shears in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
     thickness = 1.0 / (bearing.dynamic_viscosity * field.fluid.fluidity)
-    couette, pattern, pressure = field.mesh.weight * journal_shear(
-        field.film.gap, field.gauge, field.fields.saturation * thickness, field.mesh, field.film.law
+    sheared = field.fields.saturation * thickness
+    couette, pattern, pressure = (
+        field.mesh.weight * part
+        for part in journal_shear(field.film.gap, field.gauge, sheared, field.mesh, field.film.law)
     )
     scale = bearing.dynamic_viscosity * (speed.shaft - speed.bush) * radius**3
     shaft = -scale * (couette - pattern) - radius * pressure
@@ -427,7 +430,7 @@ def solve_motion(
     start = None if former is None else former.solved.fields.kind
     field = solve_field(bearing, motion, speed, half=half, start=start, history=history)
     carried = field.gauge if field.contact is None else field.gauge + field.contact.pressure
-    load = journal_load(field.mesh, carried, field.film.grid.area)
+    load = np.array(journal_load(field.mesh, carried, field.film.grid.area))
     shaft, bush = friction_torques(bearing, speed, field)
     contact_force, contact_torque = contact_load(bearing, speed, field)
     shaft, bush = shaft - contact_torque, bush + contact_torque

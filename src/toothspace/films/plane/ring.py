@@ -378,7 +378,7 @@ def solve_faces(
         Shaft speed and port pressures; the chambers have the pressures that their paths hold
         at rest.
     """
-    known = {film.body: film.face for film in description.laterals if film.face is not None}
+    known = description.known_faces
     if not known:
         raise CaseError("film.kind", "'lateral'", "is 'pad' for this machine type")
     pressure = chamber_pressures(description, condition)(setting.shaft_angle)

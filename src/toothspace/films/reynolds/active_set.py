@@ -260,8 +260,14 @@ def linearised_balance(
 
 @njit(nogil=True, error_model="numpy")
 def flow_change(
-    found: Linearised, sweep_x: Array, motion: GapMotion, potential: Array, saturation: Array
-) -> Array:
+    found: Linearised,
+    sweep_x: Array,
+    motion: GapMotion,
+    potential: Array,
+    saturation: Array,
+    own: Array,
+    out: Array,
+) -> None:
     """Net flow out of every cell that one motion of a face causes at given potentials. [m3/s].
 
     Parameters
@@ -274,11 +280,13 @@ def flow_change(
         What moves, per unit.
     potential, saturation : ndarray
         Fields that the balance was solved for. [Pa, -]
+    own : ndarray
+        Part of the motion that the gap follows. [m per unit]
+    out : ndarray
+        The flows, filled.
     """
     b, slope, lift = found.balance, found.slope, motion.lift
     rows, lanes = potential.shape
-    own = motion.follows * lift.centre
-    out = np.empty((rows, lanes))
     for i in range(rows):
         for j in range(lanes):
             rate = found.squeeze[i, j] * lift.rate[i, j] + found.squeeze_slope[i, j] * own[i, j]
@@ -304,4 +312,3 @@ def flow_change(
                 out[i, j - 1] += flow
             if j < lanes:
                 out[i, j] -= flow
-    return out

@@ -286,17 +286,15 @@ def film_balance(
 
 @njit
 def vary_storage(
-    grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, change: GapField
-) -> Array:
-    """Change of the storage of every cell with one motion. [m3/s per unit]."""
+    grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, change: GapField, out: Array
+) -> None:
+    """Fill the change of the storage of every cell with one motion. [m3/s per unit]."""
     rows, lanes = gap.centre.shape
-    out = np.empty((rows, lanes))
     for i in range(rows):
         for j in range(lanes):
             open_part, curve = squeeze_law(gap.centre[i, j] + gap.step[i, j], law)
             rate = open_part * change.rate[i, j] + curve * gap.rate[i, j] * change.centre[i, j]
             out[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
-    return out
 
 
 def balance_derivative(
@@ -327,10 +325,12 @@ def balance_variation(
     ``change`` holds the variation of gap and rate per unit of the motion, ``slope`` is
     :func:`balance_derivative`; given pressures and surface speeds do not vary.
     """
+    storage = np.empty_like(gap.centre)
+    vary_storage(grid, gap, fluid, law, change, storage)
     return slope._replace(
         conductance_x=slope.conductance_x * change.face_x,
         conductance_y=slope.conductance_y * change.face_y,
         advection_x=slope.advection_x * change.face_x,
         advection_y=slope.advection_y * change.face_y,
-        storage=vary_storage(grid, gap, fluid, law, change),
+        storage=storage,
     )

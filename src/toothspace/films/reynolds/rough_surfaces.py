@@ -105,17 +105,22 @@ def carried_law(gap: float, law: FlowLaw) -> tuple[float, float]:
     return law.roughness * (mean_gap_ratio(ratio) + shear), contact_factor(ratio) + slope
 
 
-@njit
 def mean_gap(gap: Array, law: FlowLaw) -> Array:
     """Mean gap of rough walls, the gap itself of smooth ones, of every cell. [m]."""
     out = np.empty_like(gap)
+    fill_mean_gap(gap, law, out)
+    return out
+
+
+@njit
+def fill_mean_gap(gap: Array, law: FlowLaw, out: Array) -> None:
+    """Fill what :func:`mean_gap` gives."""
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             h = gap[i, j]
             out[i, j] = h
             if law.roughness > 0.0:
                 out[i, j] = law.roughness * mean_gap_ratio(h / law.roughness)
-    return out
 
 
 @inlined
@@ -170,7 +175,6 @@ def pressure_stress(gap: float, law: FlowLaw) -> float:
     return 0.5 * max(gap, 0.0) * factor
 
 
-@njit
 def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
     """Parts of the shear stress on both walls of every cell: sliding, pattern, pressure.
 
@@ -179,11 +183,17 @@ def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
     the sum of the first two less the third.
     """
     mean, difference, half = np.empty_like(gap), np.empty_like(gap), np.empty_like(gap)
+    fill_wall_stress(gap, law, mean, difference, half)
+    return mean, difference, half
+
+
+@njit
+def fill_wall_stress(gap: Array, law: FlowLaw, mean: Array, difference: Array, half: Array) -> None:
+    """Fill what :func:`wall_stress` gives."""
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             mean[i, j], difference[i, j] = stress_factors(gap[i, j], law)
             half[i, j] = pressure_stress(gap[i, j], law)
-    return mean, difference, half
 
 
 @inlined
@@ -210,15 +220,21 @@ def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple
     return pressure, pressure * rise * inverse
 
 
-@njit
 def contact_field(gap: Array, roughness: float, table: ContactTable) -> tuple[Array, Array]:
     """Asperity pressure of every cell, and its derivative with the gap. [Pa, Pa/m]."""
-    pressure = np.zeros_like(gap)
-    slope = np.zeros_like(gap)
+    pressure, slope = np.empty_like(gap), np.empty_like(gap)
+    fill_contact(gap, roughness, table, pressure, slope)
+    return pressure, slope
+
+
+@njit
+def fill_contact(
+    gap: Array, roughness: float, table: ContactTable, pressure: Array, slope: Array
+) -> None:
+    """Fill what :func:`contact_field` gives."""
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             pressure[i, j], slope[i, j] = contact_pressure(gap[i, j], roughness, table)
-    return pressure, slope
 
 
 def refuse_deep_contact(gap: Array, surfaces: RoughSurfaces | None, place: str) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
+from toothspace.core.lazy import Lazy
 from toothspace.core.types import Array
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
 from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
@@ -98,7 +101,7 @@ def lateral_films(
             root_radius=profile.root_radius,
             outer_radius=profile.tip_radius,
             tooth_area_fraction=tooth_fraction(profile),
-            face=pinion_face(assembly, numbering),
+            face=Lazy(partial(pinion_face, assembly, numbering)),
         ),
         LumpedLateralFilm(
             body=BODIES[1],

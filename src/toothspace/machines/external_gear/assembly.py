@@ -20,7 +20,7 @@ from toothspace.geometry.gear_pair import (
 )
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
+from toothspace.machines.external_gear.spec import ExternalGearSpec
 
 POINTS_PER_TOOTH = 200
 _DEEP_OVERLAP = 2e-5
@@ -83,8 +83,12 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
 
     Raises GeometryError if the gears do not reach one another or overlap.
     """
-    profiles = _profile(spec.drive), _profile(spec.driven)
     drive, driven = spec.drive.tooth, spec.driven.tooth
+    first, second = (
+        generate_profile(tooth, POINTS_PER_TOOTH) if isinstance(tooth, InvoluteGear) else tooth
+        for tooth in (drive, driven)
+    )
+    profiles = first, second
     if not isinstance(drive, InvoluteGear) or not isinstance(driven, InvoluteGear):
         pair = None
     elif spec.center_distance is not None:
@@ -122,12 +126,6 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
         spec=spec,
         profiles=profiles,
     )
-
-
-def _profile(gear: Gear) -> GearProfile:
-    if isinstance(gear.tooth, GearProfile):
-        return gear.tooth
-    return generate_profile(gear.tooth, POINTS_PER_TOOTH)
 
 
 def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearProfile]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
@@ -291,7 +292,15 @@ def _surroundings(
     faces = _cut(bodies, SectionRequest(axis, face_towards=frame.height), frame, scale)
     around = _Surroundings()
     for body in bodies:
-        clearance = _clearance(at_teeth.get(body, []), gears)
+        # smallest radius of the bore about the drive gear on the side away from the mesh
+        clearance = None
+        with suppress(GeometryError, IndexError):
+            cavity = casing_cavity(at_teeth.get(body, [])[0], "casing")
+            radius, wall = np.hypot(*cavity.T), shapely.Polygon(cavity)
+            if all(wall.contains(shapely.Point(*center)) for center, _ in gears):
+                away = cavity[:, 1] < -0.5 * radius
+                left = float(radius[away].min(initial=np.inf)) - gears[0][1]
+                clearance = left if _CLEARANCES[0] <= left <= _CLEARANCES[1] else None
         bearing = None if clearance else _bearing(faces.get(body, []), gears)
         if clearance and around.casing is None:
             around = replace(around, toward=toward, casing=body, clearance=clearance)
@@ -315,20 +324,6 @@ def _cut(
             own = [frame.curves(cut) for cut in cuts if (file, cut.body) == (body.file, body.body)]
             found[body] = own
     return found
-
-
-def _clearance(sections: list[list[Array]], gears: list[tuple[Array, float]]) -> float | None:
-    # smallest radius of the bore about the drive gear on the side away from the mesh, less the tip
-    try:
-        cavity = casing_cavity(sections[0], "casing")
-    except (GeometryError, IndexError):
-        return None
-    if not all(shapely.Polygon(cavity).contains(shapely.Point(*center)) for center, _ in gears):
-        return None
-    radius = np.hypot(*cavity.T)
-    away = cavity[:, 1] < -0.5 * radius
-    clearance = float(radius[away].min(initial=np.inf)) - gears[0][1]
-    return clearance if _CLEARANCES[0] <= clearance <= _CLEARANCES[1] else None
 
 
 def _bearing(

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from toothspace.core.lazy import LazyMapping, LazySequence
+from toothspace.core.lazy import Lazy, LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.mesh_cut import AlongTeeth, CutSpaces
 from toothspace.gearing.meshing import displacement
-from toothspace.gearing.numbering import number
+from toothspace.gearing.numbering import Numbering, number
 from toothspace.gearing.openings import SpaceOutlines
 from toothspace.machines.external_gear import gear_bodies
-from toothspace.machines.external_gear.assembly import assemble
+from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.external_gear.gear_bodies import lateral_films
 from toothspace.machines.external_gear.own_teeth import own_teeth
@@ -25,6 +25,7 @@ from toothspace.machines.external_gear.summary import (
 )
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription
+from toothspace.model.floating_bearing import LateralBalance
 from toothspace.model.path_category import INLET_PORT
 
 
@@ -83,12 +84,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     laterals = faces = lateral_films(assembly, numbering)
     if cut is not None:
         laterals = tuple(replace(film, face=None) for film in laterals)
-    balance = None
-    if spec.floating_block is not None and cut is None:
-        # with the bodies that bend, most of the machine's modules
-        from toothspace.machines.external_gear.floating.balance import lateral_balance
-
-        balance = lateral_balance(assembly, numbering)
+    has_floating_part = spec.floating_block is not None and cut is None
     machine = MachineDescription(
         name="external_gear",
         mode=keys.use,
@@ -108,17 +104,24 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         drain=keys.drain_node,
         drain_pressure=keys.drain_pressure or 1e5,
         running_in=keys.casing.wear_in,
-        lateral_balance=balance,
+        floating=Lazy(partial(_balance, assembly, numbering)) if has_floating_part else None,
         outlines=gear_bodies.outlines(assembly),
         chamber_outlines=None if cut is not None else SpaceOutlines(assembly, numbering),
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
-        as_drawn=as_drawn(assembly),
+        as_drawn={} if spec.drive.found is spec.driven.found is None else as_drawn(assembly),
     )
     if helix is None:
         return machine
     outlines = SpaceOutlines(assembly, numbering)
     return helix.wound(machine, along, **section, laterals=faces, chamber_outlines=outlines)
+
+
+def _balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
+    # with the bodies that bend, most of the machine's modules
+    from toothspace.machines.external_gear.floating.balance import lateral_balance
+
+    return lateral_balance(assembly, numbering)
 
 
 MACHINE = MachineType("external_gear", describe)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import final
 
 import numpy as np
 import shapely
 
 from toothspace.closures.journal_friction import PUBLISHED
+from toothspace.core.lazy import Lazy
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
 from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
@@ -154,10 +156,14 @@ def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLater
             outer_radius=profile.tip_radius,
             tooth_area_fraction=tooth_fraction(profile),
             tilt=lateral.tilt,
-            face=film_face(FaceOfGear(assembly, numbering, gear), height),
+            face=Lazy(partial(_face_of_film, assembly, numbering, gear, height)),
         )
         for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
     )
+
+
+def _face_of_film(assembly: Assembly, numbering: Numbering, gear: int, height: float) -> FilmFace:
+    return film_face(FaceOfGear(assembly, numbering, gear), height)
 
 
 def film_face(face: FaceOfGear, gap: float) -> FilmFace:

@@ -19,12 +19,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.files import draft_of
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.profiles import Rotors
@@ -110,6 +111,11 @@ class LobeContact:
         return np.where(self.near[:, None], np.column_stack(columns), 0.0)
 
 
+def _outlines(rotors: Rotors) -> tuple[Any, ...]:
+    return rotors.inner, rotors.outer, rotors.inner_tooth_count, rotors.eccentricity
+
+
+@recalled(4, lambda rotors, nodes=NODES_PER_PITCH: (_outlines(rotors), nodes))
 def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
     """Find all contacts of two rotors.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 import shapely
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array
 from toothspace.geometry.cad_import import load_polygons
 from toothspace.geometry.curve import enclosed, polar, turned
@@ -120,11 +121,11 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     kidney = shapely.Polygon(ports.contours[port])
     shapely.prepare(kidney)
     table = np.zeros((pocket.place.size, 2))
-    shapes = enclosed([pocket_polygon(pocket, node) for node in range(pocket.place.size)])
-    for node, shape in enumerate(shapes):
-        cut = shapely.intersection(kidney, shape)
-        if cut.area > _LEAST_AREA:
-            table[node] = cut.area, 4.0 * cut.area / cut.length
+    cut = shapely.intersection(kidney, _enclosed_pockets(pocket))
+    area = shapely.area(cut)
+    table[:, 0] = np.where(area > _LEAST_AREA, area, 0.0)
+    there = area > _LEAST_AREA
+    table[there, 1] = 4.0 * area[there] / shapely.length(cut[there])
     if ports.slot[0] == 0.0:
         return table
     # kidney and slot side by side
@@ -174,45 +175,78 @@ class PocketOutlines:
         size, count = self.pocket.place.size, self.pocket.rotors.outer_tooth_count
         turned_by = size * self.pocket.angle_ratio * shaft_angle / FULL_TURN
         nodes = turned_by + size / count * np.arange(count)
-        return [*(pocket_polygon(self.pocket, float(node)) for node in nodes), self.film]
+        polygons = PocketPolygons(self.pocket)
+        return [*(polygons(float(node)) for node in nodes), self.film]
 
 
-def pocket_polygon(pocket: Pockets, node: float) -> Array:
-    """Outline of a pocket at one node of its place, from throat to throat.
-
-    Closed polygon in the machine frame, shape (n, 2). [m]
+@final
+class PocketPolygons:
+    """Outlines of one pocket from throat to throat, at nodes of its place.
 
     Parameters
     ----------
-    node : float
-        Number of the node; throats between two nodes are interpolated. [-]
+    pocket : Pockets
+        Pockets of the set.
     """
-    rotors, size = pocket.rotors, pocket.place.size
-    turn, ends = FULL_TURN * node / size, []
-    for beside in (node - pocket.half_pitch_nodes, node + pocket.half_pitch_nodes):
-        first = int(np.floor(beside))
-        share = beside - first
-        gap, normal, point = (
-            (1.0 - share) * values[first % size] + share * values[(first + 1) % size]
-            for values in (pocket.path.gap, pocket.path.normal, pocket.path.point)
-        )
-        ends.append((point - 0.5 * gap * normal, point + 0.5 * gap * normal))
-    inner_turn = turn * rotors.outer_tooth_count / rotors.inner_tooth_count
-    inner = turned(rotors.inner, inner_turn) + rotors.inner_center
-    outer = turned(rotors.outer, turn)
-    upper = _between(outer, np.zeros(2), ends[0][1], ends[1][1])
-    lower = _between(inner, rotors.inner_center, ends[0][0], ends[1][0])
-    return np.vstack([ends[0][1], upper, ends[1][1], ends[1][0], lower[::-1], ends[0][0]])
+
+    def __init__(self, pocket: Pockets) -> None:
+        self._pocket = pocket
+        rotors = pocket.rotors
+        self._inner, self._outer = _Arc(rotors.inner), _Arc(rotors.outer)
+
+    def __call__(self, node: float) -> Array:
+        """Closed polygon in the machine frame, shape (n, 2). [m].
+
+        Parameters
+        ----------
+        node : float
+            Number of the node; throats between two nodes are interpolated. [-]
+        """
+        pocket = self._pocket
+        rotors, size = pocket.rotors, pocket.place.size
+        turn, ends = FULL_TURN * node / size, []
+        for beside in (node - pocket.half_pitch_nodes, node + pocket.half_pitch_nodes):
+            first = int(np.floor(beside))
+            share = beside - first
+            gap, normal, point = (
+                (1.0 - share) * values[first % size] + share * values[(first + 1) % size]
+                for values in (pocket.path.gap, pocket.path.normal, pocket.path.point)
+            )
+            ends.append((point - 0.5 * gap * normal, point + 0.5 * gap * normal))
+        inner_turn = turn * rotors.outer_tooth_count / rotors.inner_tooth_count
+        center = rotors.inner_center
+        upper = self._outer.between(turn, ends[0][1], ends[1][1])
+        lower = self._inner.between(inner_turn, ends[0][0] - center, ends[1][0] - center) + center
+        return np.vstack([ends[0][1], upper, ends[1][1], ends[1][0], lower[::-1], ends[0][0]])
 
 
-def _between(points: Array, center: Array, first: Array, last: Array) -> Array:
-    """Points of a closed curve between two of its points, counter-clockwise about a centre."""
-    angle = np.arctan2(*(points - center).T[::-1])
-    start = np.arctan2(*(first - center)[::-1])
-    place = np.mod(angle - start, FULL_TURN)
-    end = np.mod(np.arctan2(*(last - center)[::-1]) - start, FULL_TURN)
-    inside = np.flatnonzero((place > 0.0) & (place < end))
-    return np.asarray(points[inside[np.argsort(place[inside])]], dtype=float)
+@recalled(
+    2, lambda pocket: (pocket.rotors.inner, pocket.rotors.outer, pocket.path, pocket.place.size)
+)
+def _enclosed_pockets(pocket: Pockets) -> Any:
+    """Areas of a pocket at all its places."""
+    polygons = PocketPolygons(pocket)
+    return enclosed([polygons(node) for node in range(pocket.place.size)])
+
+
+@final
+class _Arc:
+    """Points of a closed curve in the order of their angle about the origin."""
+
+    def __init__(self, points: Array) -> None:
+        angle = np.mod(np.arctan2(points[:, 1], points[:, 0]), FULL_TURN)
+        order = np.argsort(angle)
+        # twice round, so that no piece is cut in two
+        self._angle = np.concatenate([angle[order], angle[order] + FULL_TURN])
+        self._points = np.vstack([points[order], points[order]])
+
+    def between(self, turn: float, first: Array, last: Array) -> Array:
+        """Points of the curve turned by an angle [rad] between two points, counter-clockwise."""
+        start, end = (float(np.arctan2(y, x)) - turn for x, y in (first, last))
+        start = start % FULL_TURN
+        end = start + (end - start) % FULL_TURN
+        low, high = np.searchsorted(self._angle, start, "right"), np.searchsorted(self._angle, end)
+        return turned(self._points[low:high], turn)
 
 
 @final

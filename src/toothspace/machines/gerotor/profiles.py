@@ -29,6 +29,8 @@ from toothspace.machines.gerotor.rotor_files import (
 
 _CONTOUR_SAMPLES = 12_000
 _NEWTON_STEPS = 5
+_SAME_PLACE = 1e-13
+"""Step of the search for the nearest point that ends it, over the length of the outline. [-]"""
 _CURVATURE_REACH = 60e-6
 _SAMPLES = 2000
 _LEAST_LOBE = 1.05
@@ -84,13 +86,16 @@ class Contour:
         start = index * step
         place = start
         for _ in range(_NEWTON_STEPS):
-            wrapped = np.mod(place, self.length)
+            before, wrapped = place, np.mod(place, self.length)
             offset = self.spline(wrapped) - points
             first, second = self.spline(wrapped, 1), self.spline(wrapped, 2)
             slope = np.sum(first * first + offset * second, axis=-1)
             slope = np.where(slope > 0.1, slope, 1.0)
             place = place - np.sum(offset * first, axis=-1) / slope
-            place = np.clip(place, start - 2.0 * step, start + 2.0 * step)
+            moved = np.clip(place, start - 2.0 * step, start + 2.0 * step)
+            place, change = moved, np.abs(moved - before).max(initial=0.0)
+            if change < _SAME_PLACE * self.length:
+                break
         return np.asarray(place, dtype=float)
 
 

@@ -231,6 +231,9 @@ const KINDS = {
     select.onchange = () => { field = Number(select.value); drawn.again(); };
     pointer(drawn.canvas, (px, py, event) => { const k = hit(px, py); if (k === null) return; if (event.type === "pointerdown") { chosen = k; open.disabled = false; drawn.again(); } tell(chosen ?? k); });
     open.onclick = () => chosen !== null && options.open(view.points[chosen]);
+    // a mouse has seen the numbers before it clicks; a finger chooses first, then opens
+    let last = null;
+    if (!open.hidden) { drawn.canvas.style.cursor = "pointer"; drawn.canvas.addEventListener("click", event => { const k = hit(event.offsetX, event.offsetY), twice = k === last; last = k; if (k !== null && (event.pointerType !== "touch" || twice)) options.open(view.points[k]); }); }
     return { again: drawn.again, cursor() {} };
   },
 };

@@ -30,7 +30,7 @@ from toothspace.machines.external_gear.floating.elastic_bodies import (
     wall_direction,
 )
 from toothspace.machines.external_gear.gear_bodies import BODIES, FaceOfGear, bodies, film_face
-from toothspace.machines.external_gear.spec import ExternalGearSpec, FloatingBlock
+from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import (
     AxialForce,
     BodyLoad,
@@ -133,17 +133,9 @@ def _interface(assembly: Assembly, face: FaceOfGear, side: Side) -> FilmInterfac
         winkler_compliance=column,
         body_angle=face.own.first_tooth,
         root_radius=assembly.profiles[gear].root_radius,
-        lead=_lead(spec, side),
+        lead=0.0 if spec.helix is None else spec.helix.leads[_SIDES.index(side)],
         part=parts[gear] if parts else "",
     )
-
-
-def _lead(spec: ExternalGearSpec, side: Side) -> float:
-    """Shaft angle by which the end of the gears at a side leads their middle. [rad]."""
-    if spec.helix is None:
-        return 0.0
-    half = 0.5 * spec.helix.turn_per_length * spec.helix.face_width
-    return half if side == "floating" else -half
 
 
 def bearing_face(assembly: Assembly) -> shapely.Polygon:
