@@ -45,6 +45,22 @@ def test_whole_overlaps_have_no_ripple() -> None:
     assert found["flow_ripple_dual_percent"][1] < 1e-6
 
 
+def test_ripple_between_whole_overlaps_is_that_of_many_sections() -> None:
+    """With both flanks the square of a saw tooth from -1 to 1, twice a pitch."""
+    case = ts.load_case(CASES / "helical_pump.toml")
+    overlaps = np.array([0.05, 0.2, 0.33, 0.6, 1.4])
+    widths = overlaps * np.pi * 2.73954e-3 / np.sin(np.radians(5.0))
+    found = ts.evaluate_designs(case, {ANGLE: np.full(5, np.radians(5.0)), WIDTH: widths})
+    saw = (2.0 * (np.arange(20000) % 10000) / 10000 - 1.0) ** 2
+    swept = np.concatenate([[0.0], np.cumsum(np.tile(saw, 4))]) / 10000
+    expected = []
+    for turns in 2.0 * overlaps:
+        mean = (swept[round(turns * 10000) :][:10000] - swept[:10000]) / turns
+        expected.append(np.ptp(mean))
+    ratio = found["flow_ripple_dual_percent"] / np.array(expected)
+    np.testing.assert_allclose(ratio, ratio[0], rtol=2e-3)
+
+
 FAMILY = "machine.gears.family"
 
 

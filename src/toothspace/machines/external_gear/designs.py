@@ -132,8 +132,6 @@ _LARGEST_ANGLE = 1.4
 _NEWTON_STEPS = 60
 _LARGEST_BACKLASH = 0.5
 _LARGEST_DIFFERENCE = 1e-9
-_PLACES = np.arange(240) / 240.0
-"""Places over a period at which the flow along a helix is looked at."""
 
 
 @final
@@ -175,7 +173,8 @@ class GearDesigns(ExternalPair[Array]):
 
         .. math:: \frac{1}{\varepsilon} \int_{f} u^2
 
-        moves; the rest is the same at every angle.
+        moves; the rest is the same at every angle. It is largest and smallest where the part begins
+        or ends at a jump of u, or where u is as large at both of its ends.
         """
         first, last = self.sealing_window(flank_sealing)
         span, period = last - first, 1.0 if flank_sealing == "single" else 0.5
@@ -187,7 +186,15 @@ class GearDesigns(ExternalPair[Array]):
             u = first + (place - turns) * span
             return turns * (last**3 - first**3) / 3.0 + (u**3 - first**3) / 3.0
 
-        swept = np.array([total(x + part) - total(np.full_like(part, x)) for x in _PLACES])
+        places = np.stack(
+            [
+                np.zeros_like(part),
+                1.0 - part,
+                np.clip(-first / span - 0.5 * part, 0.0, 1.0 - part),
+                np.clip(-first / span + 0.5 * (1.0 - part), 1.0 - part, 1.0),
+            ]
+        )
+        swept = total(places + part) - total(places)
         swing = (swept.max(axis=0) - swept.min(axis=0)) / (span * np.maximum(overlap, 1e-12))
         mean = self.displacement_per_radian(1.0, flank_sealing)
         found = 0.5 * (1.0 - self.speed_ratio) * swing / mean
