@@ -21,7 +21,7 @@ from toothspace.core.status import Status
 
 VIEWS = "views.json"
 """File of a run with its views."""
-_KEPT_DESIGNS = 4
+_KEPT_DESIGNS = 2
 
 
 @final

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, final
 from toothspace.core.files import write_text
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
+from toothspace.report.card import machine_head
 from toothspace.report.page import format_value, quantity, render
 from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution, load_solution
@@ -29,6 +30,17 @@ _LONGEST_LIST = 6
 _WITHOUT_SHARE = ("_degC", "_deg", "_error")
 """Ends of names whose zero is arbitrary, or that are all but zero: a share of them says nothing."""
 
+_HEADLINES = (
+    "overall_efficiency",
+    "max_chamber_pressure_bar",
+    "pressure_ripple_bar",
+    "flow_ripple_percent",
+    "mean_flow_L_per_min",
+    "mean_torque_N_m",
+)
+"""Numbers that a page begins with where they differ."""
+_NOTHING = 1e-3
+"""Share of a number below which a change of it is not worth a word. [-]"""
 _MANIFOLD = 10.0
 """Share from which a factor is easier to read. [-]"""
 
@@ -129,6 +141,34 @@ class Comparison:
             for x in found
         ]
 
+    def answer(self) -> list[str]:
+        """Return what was changed and what came of it, a sentence each."""
+        numbers, said = self.numbers(), []
+        changed = [name for name in self._keys if name not in _TITLES]
+        if len(changed) == 1:
+            first, second = (
+                "not given" if value is None else value for value in self._keys[changed[0]]
+            )
+            name = changed[0].removeprefix("machine.").replace(".", ", ").replace("_", " ")
+            said.append(f"Changed: {name}, from {first} to {second}.")
+        came = []
+        for name in _HEADLINES:
+            first, second = numbers.get(name, (0.0, 0.0))
+            if abs(second - first) <= _NOTHING * abs(first):
+                continue
+            label, _, unit = quantity(name, first)
+            *_, difference, share = _shown_row(name, unit, first, second)
+            unit = "points" if unit == "%" else unit
+            part = f", {share}" if share.endswith("%") and unit != "points" else ""
+            way = "more" if second > first else "less"
+            came.append(f"{label.lower()} {difference.lstrip('-+')} {unit} {way}{part}")
+        if came:
+            text = "; ".join(came)
+            said.append(f"The second one: {text}.")
+        elif numbers:
+            said.append("Efficiency, flow, torque, peak and ripple are the same within 0.1 %.")
+        return said
+
     def to_dataframe(self) -> pd.DataFrame:
         """Return both values, their difference and its share of the first, by name.
 
@@ -158,6 +198,8 @@ class Comparison:
         """Write the comparison as one HTML page that opens offline, and return its path."""
         page = render(
             "comparison.html.j2",
+            machine=machine_head(self.second.provenance),
+            answer=self.answer(),
             titles=[s.provenance.get("title", "") for s in (self.first, self.second)],
             warnings=self.warnings(),
             findings=self.finding_lines(),

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from toothspace.core.files import write_text
-from toothspace.plotting.style import figure_to_svg
+from toothspace.plotting.style import figure_to_svg, readable
+from toothspace.report.card import machine_head
 from toothspace.report.page import format_value, quantity, render, shown_unit
 from toothspace.report.views import study_views, views_html
 from toothspace.studies.study import StudyResult, StudyTable, study_figures
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 _LONGEST_TABLE = 400
 _WIDEST_TABLE = 12
+_MAPS = ({"shaft_speed", "pressure_difference"}, {"shaft_speed", "outlet_pressure"})
+"""Axes of a map."""
 _GOALS = (
     ("overall_efficiency", max, "Most efficient"),
     ("max_chamber_pressure_bar", min, "Lowest peak"),
@@ -51,12 +57,42 @@ def study_report_html(result: StudyResult) -> str:
             if isinstance(value, (int, float, str)) and name != "status"
         ],
         figures=[(f.name, f.caption, figure_to_svg(f.figure)) for f in figures],
-        answer=[sentence for table in result.tables[:1] for sentence in best_points(table)],
+        machine=machine_head(result.provenance),
+        answer=study_answer(result),
         views=views_html(study_views(result)),
         tables=[_table(table) for table in result.tables],
         provenance=[(k.replace("_", " "), v or "none") for k, v in provenance.items()],
         case_toml=result.provenance.get("case_toml", ""),
     )
+
+
+def study_answer(result: StudyResult) -> list[str]:
+    """Verdict on a study: its best points, or those of its map; else how many points were done."""
+    said = [sentence for table in result.tables[:1] for sentence in best_points(table)]
+    said = said or _best_of_map(result.data)
+    if said:
+        return said
+    points, failed = (result.summary().get(name, 0) for name in ("points", "points_failed"))
+    count = f"{points} points" if isinstance(points, int) and points > 1 else ""
+    return [f"{count}, {failed or 'none'} failed."] if count else []
+
+
+def _best_of_map(data: xr.Dataset) -> list[str]:
+    """Sentence on the point of a map at which the machine is most efficient."""
+    name = "overall_efficiency"
+    if name not in data or set(data[name].dims) not in _MAPS:
+        return []
+    if not data[name].notnull().any():
+        return []
+    best = data[name].stack(point=data[name].dims)
+    best = best[int(best.fillna(-1.0).argmax("point"))]
+    speed = float(best["shaft_speed"]) * 30.0 / math.pi
+    other = next(dim for dim in data[name].dims if dim != "shaft_speed")
+    pressure, least = float(best[other]) / 1e5, float(data[name].min())
+    return [
+        f"Most efficient: overall {100.0 * float(best):.4g} % at {speed:.5g} rpm and "
+        f"{pressure:.4g} bar {readable(str(other)).lower()}; least {100.0 * least:.4g} %."
+    ]
 
 
 def _table(table: StudyTable) -> dict[str, Any]:

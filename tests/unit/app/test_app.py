@@ -351,6 +351,27 @@ def test_a_run_is_stopped_at_once_and_the_next_one_goes_on(client: Client) -> No
     assert client.finished(second["id"])["state"] == "done"
 
 
+def test_simultaneous_starts_wait_for_each_other(client: Client) -> None:
+    slow = {"run.until": None, "run.revolutions": 500, "heat": None, "operating_point.line": None}
+    asked, ordered = {"design": client.design()["id"], "values": slow}, list[str]()
+    threads = [
+        threading.Thread(target=lambda: ordered.append(client.post("/api/runs", asked)[1]["id"]))
+        for _ in range(6)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(set(ordered)) == 6
+    wait_for(lambda: any(state(client, run) == "running" for run in ordered))
+    assert sorted(state(client, run) for run in ordered) == ["running"] + 5 * ["waiting"]
+    for run in client.get("/api/runs")[1]:
+        if run["state"] == "waiting":
+            client.post(f"/api/runs/{run['id']}", {"action": "delete"})
+    for run in client.get("/api/runs")[1]:
+        client.post(f"/api/runs/{run['id']}", {"action": "delete"})
+
+
 def state(client: Client, run: str) -> str:
     return str(next(one["state"] for one in client.get("/api/runs")[1] if one["id"] == run))
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from tests.fake_solution import fake_description, fake_solution
 from toothspace.advice.findings import change_first
+from toothspace.case import load_case
 from toothspace.core.finding import Finding
+from toothspace.core.status import Status
 from toothspace.report import report_html
-from toothspace.report.study import best_points
-from toothspace.studies.study import StudyTable
+from toothspace.report.card import machine_head
+from toothspace.report.study import best_points, study_answer
+from toothspace.studies.study import StudyResult, StudyTable
 
 
 @pytest.mark.usefixtures("few_figures")
@@ -45,3 +50,20 @@ def test_a_study_names_its_best_points() -> None:
     assert best_points(table) == [
         "Most efficient: overall efficiency 92 % at Casing, radial clearance (µm) 20 um."
     ]
+
+
+def test_a_map_names_its_best_point_beside_the_machine() -> None:
+    speed, pressure = np.array([1000.0, 2000.0]) * np.pi / 30.0, np.array([50e5, 150e5])
+    map_ = xr.Dataset(
+        {"overall_efficiency": (("shaft_speed", "pressure_difference"), [[0.8, 0.9], [0.7, 0.85]])},
+        {"shaft_speed": speed, "pressure_difference": pressure},
+    )
+    case = load_case("egm12_pump")
+    result = StudyResult(Status.DONE, map_, {}, kind="efficiency_map", title=case.title)
+    assert study_answer(result) == [
+        "Most efficient: overall 90 % at 1000 rpm and 150 bar pressure difference; least 70 %."
+    ]
+    head = machine_head({"case_toml": case.to_toml()})
+    assert head.words == "External gear, pump, 4.95 cm³/rev"
+    assert head.section.startswith("<svg")
+    assert machine_head({"case_toml": "nonsense"}).section == ""

@@ -51,7 +51,12 @@ def test_equal_cases_give_no_warning() -> None:
 
 def test_one_changed_key_is_a_fair_comparison() -> None:
     wide = result(changed(machine__gears__face_width="9 mm"))
-    assert Comparison(result(load_case(MOTOR)), wide).warnings() == []
+    comparison = Comparison(result(load_case(MOTOR)), wide)
+    assert comparison.warnings() == []
+    assert comparison.answer() == [
+        "Changed: gears, face width, from 7.63 mm to 9 mm.",
+        "Efficiency, flow, torque, peak and ripple are the same within 0.1 %.",
+    ]
 
 
 @pytest.mark.parametrize(
