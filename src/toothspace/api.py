@@ -224,7 +224,8 @@ def evaluate_designs(
         Machine with gears given by parameters; its keys count where none are given here.
     values : mapping of key path to array
         Numbers, in SI units where the key has a unit, or texts with units; arrays are broadcast
-        together. Keys of the teeth, ``face_width``, ``normal_backlash`` and ``center_distance``.
+        together. Keys of the teeth, ``helix_angle``, ``face_width``, ``normal_backlash`` and
+        ``center_distance``; ``family`` as words, whose keys that do not act on one are passed over.
     addendum : float, optional
         Height of the teeth above the shifted reference line, in modules: tip diameters follow
         module, tooth count and profile shift. Left out, they are those given.
@@ -255,7 +256,10 @@ def evaluate_designs(
     """
     if not isinstance(values, Mapping):
         raise CaseError("values", reprlib.repr(values), "a table of keys and arrays")
-    arrays = {path: _in_si(raw) for path, raw in values.items()}
+    arrays = {
+        path: np.asarray(raw, str) if path.endswith("gears.family") else _in_si(raw)
+        for path, raw in values.items()
+    }
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError as error:

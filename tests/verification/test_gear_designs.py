@@ -99,6 +99,10 @@ def test_designs_are_those_of_single_pairs_and_refused_where_they_are() -> None:
         DesignReason.ROOT_CIRCLE,
         DesignReason.BASE_PITCH,
         DesignReason.OVERLAP,
+        # of continuous contact
+        DesignReason.CONTINUOUS,
+        DesignReason.OVERLAP_RULE,
+        DesignReason.CURVATURE_RULE,
     }
 
 

@@ -24,6 +24,12 @@ MIN_TIP_LAND = 0.2
 MIN_ROOT_CLEARANCE = 0.1
 MAX_BACKLASH = 0.1
 VENTED_SHARE = 0.5
+MAX_CONTINUOUS_BACKLASH = 0.005
+"""Backlash of gears of continuous contact, whose flanks seal in turn. [modules]"""
+MIN_CURVATURE = 0.3
+"""Smallest radius of curvature of their flanks. [modules]"""
+OVERLAP_TOLERANCE = 0.05
+"""How far their overlap may be from a multiple of half a pitch. [-]"""
 _ENCLOSED_SHARE = 0.002
 """Largest change of the enclosed volume over face width and square of the module. [-]
 
@@ -46,6 +52,11 @@ TOOL_MODULES = (
     4.5, 5.0, 5.5, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0, 14.0, 16.0, 20.0,
 )  # fmt: skip
 """Modules of which there are tools. [mm]"""
+
+
+def overlap_from_whole(overlap: float) -> float:
+    """How far an overlap ratio is from the nearest multiple of a half, which is not zero. [-]."""
+    return abs(overlap - max(round(2.0 * overlap), 1) / 2.0)
 
 
 def pair_checks(

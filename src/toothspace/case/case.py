@@ -6,7 +6,7 @@ import hashlib
 import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, final
 
@@ -300,11 +300,12 @@ class Case(CaseTables):
         """
         if self.machine is None:
             return None
-        make, was_hashed = partial(_assembled, self.machine), "hash" in vars(self)
+        was_hashed = "hash" in vars(self)
         try:
+            make = self.machine.assemble
             spec = cached_by_hash(_machines, _KEPT_MACHINES, make, self.machine)
         except CaseError as error:
-            raise self._read_from.refuse(error) from error
+            raise self._read_from.refuse(error.under("machine")) from error
         except OSError as error:
             raise self._unreadable(error) from error
         if was_hashed and self._hashed() != self.hash:
@@ -376,13 +377,6 @@ def _require_table(name: str, given: object) -> None:
         raise CaseError(name, reprlib.repr(given), "a table of keys and values")
 
 
-def _assembled(machine: Any) -> Any:
-    try:
-        return machine.assemble()
-    except CaseError as error:
-        raise error.under("machine") from error
-
-
 def load_case(source: Case | str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
     """Read and check a case.
 
@@ -446,7 +440,7 @@ def _made(
     source: Path | None = None,
     overrides: tuple[str, ...] = (),
 ) -> Case:
-    document = _overlaid(document, values or {})
+    document = _overlaid(document, values) if values else document
     require_ordinary(document.tables, document.label)
     tables, problems = document.tables, Problems()
     if source is not None and "schema" not in tables:

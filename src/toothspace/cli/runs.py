@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -120,19 +120,15 @@ def _load_ahead() -> None:
 
 def _keep(solution: Solution, target: Path) -> Path | None:
     """Save a result, where its place refuses it in the temporary folder or here; return where."""
-    elsewhere = (Path(folder) / f"{target.stem}_{os.getpid()}.nc" for folder in _last_folders())
-    for place in (target, *elsewhere):
+    folders = [Path()]
+    with suppress(OSError):
+        folders.insert(0, Path(tempfile.gettempdir()))
+    for place in (target, *(folder / f"{target.stem}_{os.getpid()}.nc" for folder in folders)):
         try:
             return solution.save(place)
         except OSError as error:
             output.message(f"{place}: found {error.strerror or error} on writing")
     return None
-
-
-def _last_folders() -> Iterator[str]:
-    with suppress(OSError):
-        yield tempfile.gettempdir()
-    yield "."
 
 
 def study(

@@ -64,16 +64,16 @@ def number(counts: tuple[int, int]) -> Numbering:
     meeting = np.where(late, index_1 - first, index_1)
     driven_tooth = np.pi - FULL_TURN * index_2 / second
     half_1, half_2 = np.pi / first, np.pi / second
+    phases = np.mod(drive, FULL_TURN), np.mod(driven_tooth - half_2, FULL_TURN)
+    teeth = np.mod(drive - half_1, FULL_TURN), np.mod(driven_tooth - 2.0 * half_2, FULL_TURN)
+    space_1, space_2, tooth_1, tooth_2 = (
+        np.where(phase > FULL_TURN - 1e-9, 0.0, phase) for phase in (*phases, *teeth)
+    )
     return Numbering(
-        space_phases=(_turned(drive), _turned(driven_tooth - half_2)),
-        tooth_phases=(_turned(drive - half_1), _turned(driven_tooth - 2.0 * half_2)),
+        space_phases=(space_1, space_2),
+        tooth_phases=(tooth_1, tooth_2),
         nodes=(index_1.astype(np.int64), (first + index_2).astype(np.int64)),
         ratios=(1.0, first / second),
         met_spaces=np.mod(meeting, second).astype(np.int64),
         partner_shift=first % second,
     )
-
-
-def _turned(angle: Array) -> Array:
-    phase = np.mod(angle, FULL_TURN)
-    return np.where(phase > FULL_TURN - 1e-9, 0.0, phase)

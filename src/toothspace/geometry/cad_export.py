@@ -265,6 +265,12 @@ def step_face(section: Section) -> Any:
     """Return the plane face of a section. [mm]."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
 
+    # the class of arrays was renamed in version 8 of the package
+    try:
+        from OCP.collections import HArray1_gp_Pnt as PointArray
+    except ImportError:
+        from OCP.TColgp import TColgp_HArray1OfPnt as PointArray
+
     boundary = section.pieces or smooth_pieces(section.boundary)
     wires = []
     for pieces in (boundary, *(smooth_pieces(hole[::-1]) for hole in section.holes)):
@@ -279,7 +285,7 @@ def step_face(section: Section) -> Any:
             step = np.hypot(*np.diff(points, axis=0).T)
             kept = points[np.concatenate([step > 2e-6, [True]])]
             kept[0] = points[0]
-            array = _point_array_type()(1, len(kept))
+            array = PointArray(1, len(kept))
             for index, (x, y) in enumerate(kept):
                 array.SetValue(index + 1, gp_Pnt(float(x), float(y), 0.0))
             builder = GeomAPI_Interpolate(array, False, 1e-7)
@@ -313,14 +319,3 @@ def smooth_pieces(curve: Array) -> list[Array]:
     closed = np.vstack([np.roll(curve, -cuts[0], axis=0), curve[cuts[0]]])
     ends = [*(cuts - cuts[0]), len(curve)]
     return [closed[a : b + 1] for a, b in pairwise(ends)]
-
-
-def _point_array_type() -> Any:
-    # the class was renamed in version 8 of the package
-    try:
-        from OCP.collections import HArray1_gp_Pnt
-    except ImportError:
-        from OCP.TColgp import TColgp_HArray1OfPnt
-
-        return TColgp_HArray1OfPnt
-    return HArray1_gp_Pnt

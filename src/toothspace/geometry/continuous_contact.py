@@ -178,6 +178,38 @@ class ContinuousGear:
         r, tip = self.reference_radius, self.tip_radius
         return face_width * (tip**2 - r**2 - self.mean_square_distance())
 
+    def flow_ripple(self, overlap_ratio: float = 0.0) -> float:
+        r"""Largest less smallest ideal flow over its mean, over all sections of the width. [-].
+
+        Parameters
+        ----------
+        overlap_ratio : float
+            Twist of the face width over the pitch; 0 of spur gears. [-]
+
+        Notes
+        -----
+        The flow of a section is :math:`b\,\omega\,(r_a^2 - r^2 - s^2)`, with the distance s of the
+        contact from the pitch point. Both flanks of a tooth touch in turn, so that :math:`s^2` has
+        half a pitch as its period.
+        """
+        found = [piece(np.linspace(0.0, 1.0, _CHECKED)) for piece in self.pieces()]
+        roll = np.concatenate([one.roll for one in found])
+        square = np.concatenate([one.distance for one in found]) ** 2
+        places = np.linspace(0.0, self.quarter_pitch, _CHECKED)
+        half = np.interp(places, roll, square)
+        period = np.concatenate([half, half[-2::-1]])
+        swing = float(np.ptp(period))
+        turns = 2.0 * overlap_ratio
+        if turns > 1e-6:
+            steps = len(period) - 1
+            swept = np.concatenate([[0.0], np.cumsum(0.5 * (period[1:] + period[:-1])) / steps])
+            begin = np.arange(steps) / steps
+            end = begin + turns % 1.0
+            grid = np.linspace(0.0, 1.0, steps + 1)
+            past = np.interp(end % 1.0, grid, swept) + np.floor(end) * swept[-1]
+            swing = float(np.ptp(past - swept[:-1])) / turns
+        return swing / self.displacement_per_radian(1.0)
+
     @property
     def tip_radius(self) -> float:
         """Tip circle of the ground tooth. [m]."""

@@ -30,6 +30,7 @@ class DesignReason(IntFlag):
     ROOT_CLEARANCE = 1 << 9
     INTERFERENCE = 1 << 10
     CONTACT_RATIO = 1 << 11
+    CONTINUOUS = 1 << 12
     CONTACT_RATIO_RULE = 1 << 16
     TIP_LAND_RULE = 1 << 17
     UNDERCUT_RULE = 1 << 18
@@ -37,6 +38,8 @@ class DesignReason(IntFlag):
     ROOT_CLEARANCE_RULE = 1 << 20
     BACKLASH_RULE = 1 << 21
     TRAPPED_VOLUME_RULE = 1 << 22
+    OVERLAP_RULE = 1 << 23
+    CURVATURE_RULE = 1 << 24
 
 
 REASON_TEXTS: Mapping[DesignReason, str] = {
@@ -52,6 +55,7 @@ REASON_TEXTS: Mapping[DesignReason, str] = {
     DesignReason.ROOT_CLEARANCE: "a tip reaches the mating root circle",
     DesignReason.INTERFERENCE: "a tip cuts into the mating root fillet",
     DesignReason.CONTACT_RATIO: "the contact ratio is below 1, so the mesh does not seal",
+    DesignReason.CONTINUOUS: "no outline of continuous contact: undercut, or most of a tip ground",
     DesignReason.CONTACT_RATIO_RULE: "design rule: contact ratio",
     DesignReason.TIP_LAND_RULE: "design rule: tip land",
     DesignReason.UNDERCUT_RULE: "design rule: undercut",
@@ -59,6 +63,8 @@ REASON_TEXTS: Mapping[DesignReason, str] = {
     DesignReason.ROOT_CLEARANCE_RULE: "design rule: root clearance",
     DesignReason.BACKLASH_RULE: "design rule: normal backlash",
     DesignReason.TRAPPED_VOLUME_RULE: "design rule: trapped volume change",
+    DesignReason.OVERLAP_RULE: "design rule: overlap ratio",
+    DesignReason.CURVATURE_RULE: "design rule: smallest radius of curvature",
 }
 """What each reason says."""
 
@@ -112,6 +118,11 @@ class EvaluatedDesigns:
         """Return the designs as arrays of another shape."""
         numbers = {name: values.reshape(shape) for name, values in self.numbers.items()}
         return EvaluatedDesigns(numbers, self.reasons.reshape(shape))
+
+    def chosen(self, index: IntArray) -> EvaluatedDesigns:
+        """Return the designs of these places in their order."""
+        numbers = {name: values[index] for name, values in self.numbers.items()}
+        return EvaluatedDesigns(numbers, self.reasons[index])
 
     def refused(self, reasons: IntArray) -> EvaluatedDesigns:
         """Return the designs with further reasons against them."""

@@ -271,7 +271,20 @@ def _polar_span(points: Array) -> float:
 def _smooth_open(points: Array) -> Array:
     # cubic splines between corners
     cuts = [0, *(np.flatnonzero(_bends(points)) + 1), len(points) - 1]
-    pieces = [_dense(points[a : b + 1])[:-1] for a, b in pairwise(cuts)]
+    pieces = []
+    for a, b in pairwise(cuts):
+        # four points per interval; straight where a spline would swing out
+        piece = points[a : b + 1]
+        along = arc_lengths(piece)
+        fine = np.interp(np.arange(4 * (b - a) + 1) / 4.0, np.arange(len(along)), along)
+        found = np.column_stack([np.interp(fine, along, piece[:, axis]) for axis in (0, 1)])
+        if len(piece) >= 5:
+            smooth = np.asarray(scipy.interpolate.CubicSpline(along, piece)(fine))
+            interval = np.repeat(np.diff(along), 4)
+            swing = np.hypot(*(smooth - found).T)[:-1] > 0.1 * interval
+            found = np.where(np.append(swing, False)[:, None], found, smooth)
+            found[::4] = piece
+        pieces.append(found[:-1])
     return np.vstack([*pieces, points[-1:]])
 
 
@@ -281,22 +294,6 @@ def _bends(points: Array) -> BoolArray:
     heading = np.arctan2(step[:, 1], step[:, 0])
     bend = (np.diff(heading) + np.pi) % (2.0 * np.pi) - np.pi
     return np.abs(bend) > _CORNER_ANGLE
-
-
-def _dense(points: Array) -> Array:
-    # four points per interval; straight where a spline would swing out
-    along = arc_lengths(points)
-    count = 4 * (len(points) - 1)
-    fine = np.interp(np.arange(count + 1) / 4.0, np.arange(len(along)), along)
-    straight = np.column_stack([np.interp(fine, along, points[:, axis]) for axis in (0, 1)])
-    if len(points) < 5:
-        return straight
-    smooth = np.asarray(scipy.interpolate.CubicSpline(along, points)(fine))
-    interval = np.repeat(np.diff(along), 4)
-    swing = np.hypot(*(smooth - straight).T)[:-1] > 0.1 * interval
-    chosen = np.where(np.append(swing, False)[:, None], straight, smooth)
-    chosen[::4] = points
-    return chosen
 
 
 def _chord_height(points: Array) -> float:

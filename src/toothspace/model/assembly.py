@@ -38,7 +38,7 @@ from toothspace.model.lateral_load import (
     sampled_loads,
     with_lateral_leakage,
 )
-from toothspace.model.lateral_table import LOAD_STATES
+from toothspace.model.lateral_table import LOAD_STATES, no_lookup
 from toothspace.model.ledger import FRICTION_MECHANISMS, THROTTLING
 from toothspace.model.lumped_films import (
     journal_data,
@@ -184,7 +184,8 @@ def assemble(
         paths = (*paths, *circuit_orifices(condition.circuit, places))
     categories = categories_of(paths)
     paths = by_kind(paths)
-    families, loads = description.families, sampled_loads(description)
+    families = description.families
+    loads = sampled_loads(description) if description.lateral_table else None
     tables = [
         table
         for family in families
@@ -264,7 +265,7 @@ def assemble(
         journal=journals.rows,
         asperity=journals.asperity,
         friction_curves=journals.curves,
-        lateral=lateral_lookup(description, sizes.nodes, loads),
+        lateral=lateral_lookup(description, sizes.nodes, loads) if loads else no_lookup(),
         node=np.asfortranarray(_nodes(description, fluid, condition, sizes)),
         contact=contacts.data,
         motion=motion_rows(description, condition, free),

@@ -13,7 +13,7 @@ from toothspace.core.types import Array
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.film_faces import FILM
 from toothspace.model.floating_bearing import FilmInterface, LateralBalance
-from toothspace.model.lateral_table import LATERAL_NOW, LateralLookup, no_lookup
+from toothspace.model.lateral_table import LATERAL_NOW, LateralLookup
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.model.paths import drain_joined
@@ -133,13 +133,12 @@ def load_table(
 
 
 def lateral_lookup(
-    description: MachineDescription, nodes: int, loads: SampledLoads | None
+    description: MachineDescription, nodes: int, loads: SampledLoads
 ) -> LateralLookup:
     """Table of the lateral films of a machine as compiled code reads it, for so many nodes."""
-    table = description.lateral_table
-    balance = None if table is None else description.lateral_balance
-    if table is None or balance is None or loads is None:
-        return no_lookup()
+    table, balance = description.lateral_table, description.lateral_balance
+    assert table is not None
+    assert balance is not None
     counts = np.array([axis.size for axis in table.axes], dtype=np.int64)
     axes = np.zeros((counts.size, counts.max()))
     for row, axis in zip(axes, table.axes, strict=True):

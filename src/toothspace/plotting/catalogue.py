@@ -300,7 +300,18 @@ def _possible(
 ) -> bool:
     if any(name not in solution.data for name in entry.needs):
         return False
-    if entry.sampled and not _sampled(entry.sampled, solution):
+    steady, turns = "shaft_angle" in solution.data.sizes, 0.0
+    if steady and solution.data.sizes["shaft_angle"] > 2:
+        angle = solution.data["shaft_angle"].values
+        turns = (angle[-1] - angle[0] + angle[1] - angle[0]) / _TURN
+    sampled = {
+        "": True,
+        "transient": not steady,
+        "start": entry.sampled == "start" and bool(np.isfinite(solution.breakaway_time)),
+        "steady": turns != 0.0,
+        "turn": turns > 1.0 - 1e-6,
+    }
+    if not sampled[entry.sampled]:
         return False
     if entry.rotors is not None and entry.rotors != (
         description is not None and has_tooth_contacts(description)
@@ -312,16 +323,3 @@ def _possible(
         return False
     drawn = description if description.winding is None else description.winding.section
     return entry.name != "gear_section" or drawn.chamber_outlines is not None
-
-
-def _sampled(kind: str, solution: Solution) -> bool:
-    steady = "shaft_angle" in solution.data.sizes
-    if kind == "transient":
-        return not steady
-    if kind == "start":
-        return bool(np.isfinite(solution.breakaway_time))
-    angle = solution.data["shaft_angle"].values
-    if not steady or angle.size < 3:
-        return False
-    step = angle[1] - angle[0]
-    return kind == "steady" or bool(angle[-1] - angle[0] + step > _TURN * (1.0 - 1e-6))

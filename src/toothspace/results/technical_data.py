@@ -443,19 +443,14 @@ def _number(name: str, value: float | None, meaning: str, unit: str) -> dict[str
 
 def _properties(numbers: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Properties that are finite numbers or texts."""
-    return [
-        _property(name, value)
-        for name, value in numbers.items()
-        if (isinstance(value, (int, float)) and math.isfinite(value))
-        or (isinstance(value, str) and value)
-    ]
-
-
-def _property(name: str, value: Any) -> dict[str, Any]:
-    label = {"displayName": _english(label_of(name))}
-    if isinstance(value, bool):
-        truth = {"valueType": "xs:boolean", "value": str(value).lower()}
-        return _text(name, _ARBITRARY, "") | truth | label
-    if isinstance(value, str):
-        return _text(name, _ARBITRARY, value) | label
-    return _number(name, value, _ARBITRARY, stem_and_unit(name)[1]) | label
+    found = []
+    for name, value in numbers.items():
+        label = {"displayName": _english(label_of(name))}
+        if isinstance(value, bool):
+            truth = {"valueType": "xs:boolean", "value": str(value).lower()}
+            found.append(_text(name, _ARBITRARY, "") | truth | label)
+        elif isinstance(value, str) and value:
+            found.append(_text(name, _ARBITRARY, value) | label)
+        elif isinstance(value, (int, float)) and math.isfinite(value):
+            found.append(_number(name, value, _ARBITRARY, stem_and_unit(name)[1]) | label)
+    return found

@@ -144,7 +144,9 @@ def march_revolutions(
             if changes and changes[-1] <= 1.0:
                 status = Status.DONE
                 break
-            if _stalled(changes):
+            # the last changes are as large as those before
+            recent, earlier = changes[-_WAIT:], changes[-2 * _WAIT : -_WAIT]
+            if len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier):
                 status = Status.NOT_REPEATING
                 break
             # beginning elsewhere costs steps at first order: only where closing takes long
@@ -328,12 +330,6 @@ class _PeriodicSearch:
             ]
         )
         return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
-
-
-def _stalled(changes: list[float]) -> bool:
-    """Whether the last changes from one revolution to the next are as large as those before."""
-    recent, earlier = changes[-_WAIT:], changes[-2 * _WAIT : -_WAIT]
-    return len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier)
 
 
 def successors(description: MachineDescription, turn: float = 2.0 * np.pi) -> IntArray:

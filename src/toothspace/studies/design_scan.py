@@ -92,14 +92,20 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     assert isinstance(study, DesignScanStudy)
     axes = axes_of(study.vary, case.label, case)
     shares = unit_samples(len(axes), study.method, study.sample_count, study.seed).T
-    columns = []
+    columns: list[Any] = []
     for axis, row in zip(axes, shares.tolist(), strict=True):
+        if axis.path.endswith(".family"):
+            columns.append(np.array([axis.quantile(share) for share in row], dtype=str))
+            continue
         try:
             columns.append(np.array([axis.quantile(share) for share in row], dtype=float))
         except ValueError as error:
             allowed = "numbers, or texts with a unit"
             raise CaseError(f"study.vary.{axis.path}", "words", allowed) from error
-    varied = {axis.path: axis.si(column) for axis, column in zip(axes, columns, strict=True)}
+    varied = {
+        axis.path: column if column.dtype.kind == "U" else axis.si(column)
+        for axis, column in zip(axes, columns, strict=True)
+    }
     designs = api.evaluate_designs(
         case, varied, addendum=study.addendum, displacement=study.displacement
     )
@@ -130,7 +136,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     }
     head = [f"{axis.path} ({axis.unit})" if axis.unit else axis.path for axis in axes]
     rows: list[Row] = [
-        (*(float(column[k]) for column in columns), *(float(designs[name][k]) for name in designs))
+        (*(_value(column[k]) for column in columns), *(float(designs[name][k]) for name in designs))
         for k in best
     ]
     counts = designs.counts()
@@ -143,7 +149,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     if best:
         first = best[0]
         numbers["best"] = {
-            a.path: a.written(float(c[first])) for a, c in zip(axes, columns, strict=True)
+            a.path: a.written(_value(c[first])) for a, c in zip(axes, columns, strict=True)
         }
         numbers["best_merit"] = float(designs[study.objective][first])
         numbers["best_point"] = {name: float(designs[name][first]) for name in designs}
@@ -156,6 +162,10 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             StudyTable("reasons", ("what is against designs", "designs"), tuple(counts.items())),
         ),
     )
+
+
+def _value(given: Any) -> float | str:
+    return str(given) if isinstance(given, str) else float(given)
 
 
 def figures(data: xr.Dataset) -> list[StudyFigure]:

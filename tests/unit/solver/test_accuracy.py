@@ -120,11 +120,24 @@ def test_revolutions_that_never_agree_end_before_the_last_with_their_own_advice(
     assert "max_revolutions" not in history.status.value
 
 
-def test_stalled_changes_are_told_from_slow_ones() -> None:
-    noise = [3.0, 5.0, 4.0, 3.5, 6.0, 3.0, 4.0, 5.0] * 2
-    assert cyclic._stalled([1e3, 1e2, *noise])
-    assert not cyclic._stalled(noise[:11])
-    assert not cyclic._stalled([1e3 * 0.95**k for k in range(40)])
+@pytest.mark.parametrize(
+    ("changes", "status"),
+    [
+        ([1e3, 1e2, *([3.0, 5.0, 4.0, 3.5, 6.0, 3.0, 4.0, 5.0] * 2)], Status.NOT_REPEATING),
+        ([1e3 * 0.95**k for k in range(40)], Status.NOT_CYCLIC),
+    ],
+)
+def test_stalled_changes_are_told_from_slow_ones(
+    changes: list[float], status: Status, machine: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = iter(changes)
+    # whether one revolution closes is asked with a single state
+    monkeypatch.setattr(
+        cyclic, "_difference", lambda _, before, __: next(given) if len(before) > 1 else 2.0
+    )
+    plan = RunPlan(max_revolutions=24, samples_per_revolution=36)
+    history = cyclic.march_revolutions(machine.at(relative_tolerance=1e-4), plan)
+    assert history.status is status
 
 
 @pytest.mark.parametrize(("second", "marches"), [(9.0, 2), (1.0, 4)])

@@ -10,12 +10,13 @@ from typing import Any, final
 import numpy as np
 
 from toothspace.advice import gear_rules as rules
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.keys import Integer, KeyTable, Number, QuantityKey, Table, keys_of
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import TOOTH_KEYS
 from toothspace.gearing.helix import base_helix_angle
+from toothspace.geometry.continuous_contact import FAMILIES
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, joined, marked
 from toothspace.geometry.gear_pair import (
     LARGEST_OVERLAP,
@@ -24,7 +25,7 @@ from toothspace.geometry.gear_pair import (
     tight_involute,
 )
 from toothspace.geometry.involute_gear import InvoluteGears
-from toothspace.machines.external_gear.spec import ExternalGearTables
+from toothspace.machines.external_gear.spec import SHAPE_KEYS, ExternalGearTables, GearParameters
 
 _ROUNDING = 1e-12
 _CHUNK = 8192
@@ -131,8 +132,6 @@ _LARGEST_ANGLE = 1.4
 _NEWTON_STEPS = 60
 _LARGEST_BACKLASH = 0.5
 _LARGEST_DIFFERENCE = 1e-9
-_PLACES = np.arange(240) / 240.0
-"""Places over a period at which the flow along a helix is looked at."""
 
 
 @final
@@ -174,7 +173,8 @@ class GearDesigns(ExternalPair[Array]):
 
         .. math:: \frac{1}{\varepsilon} \int_{f} u^2
 
-        moves; the rest is the same at every angle.
+        moves; the rest is the same at every angle. It is largest and smallest where the part begins
+        or ends at a jump of u, or where u is as large at both of its ends.
         """
         first, last = self.sealing_window(flank_sealing)
         span, period = last - first, 1.0 if flank_sealing == "single" else 0.5
@@ -186,7 +186,15 @@ class GearDesigns(ExternalPair[Array]):
             u = first + (place - turns) * span
             return turns * (last**3 - first**3) / 3.0 + (u**3 - first**3) / 3.0
 
-        swept = np.array([total(x + part) - total(np.full_like(part, x)) for x in _PLACES])
+        places = np.stack(
+            [
+                np.zeros_like(part),
+                1.0 - part,
+                np.clip(-first / span - 0.5 * part, 0.0, 1.0 - part),
+                np.clip(-first / span + 0.5 * (1.0 - part), 1.0 - part, 1.0),
+            ]
+        )
+        swept = total(places + part) - total(places)
         swing = (swept.max(axis=0) - swept.min(axis=0)) / (span * np.maximum(overlap, 1e-12))
         mean = self.displacement_per_radian(1.0, flank_sealing)
         found = 0.5 * (1.0 - self.speed_ratio) * swing / mean
@@ -367,14 +375,122 @@ def evaluate_designs(
     own = machine.driven_gear
     if machine.gears.profile is not None or (own is not None and own.profile is not None):
         raise CaseError("gears.profile", "a file", "gears given by parameters")
-    if machine.gears.is_continuous:
-        raise CaseError("gears.family", repr(machine.gears.family), "'involute'")
+    varied = dict(varied)
+    size = next(iter(varied.values())).size
+    families = varied.pop("gears.family", np.full(size, machine.gears.family))
+    known = {"involute", *FAMILIES}
+    for family in families:
+        if str(family) not in known:
+            raise CaseError("gears.family", repr(str(family)), ", ".join(sorted(known)))
+    # a design with nothing but its family varied
+    varied = varied or {"gears.tooth_count": np.full(size, machine.gears.tooth_count, float)}
     values = DesignValues(machine, varied)
     in_range = values.in_range("gears", "driven_gear")
+    places, parts = [], []
     with np.errstate(all="ignore"):
-        parts = [_evaluated(part, addendum, displacement, machine.mode) for part in values.parts()]
+        for continuous in (False, True):
+            where = np.flatnonzero((families != "involute") == continuous)
+            if where.size == 0:
+                continue
+            chosen = DesignValues(machine, {path: x[where] for path, x in varied.items()})
+            places.append(where)
+            parts += (
+                [_evaluated(part, addendum, displacement, machine.mode) for part in chosen.parts()]
+                if not continuous
+                else [_continuous(machine.gears, chosen, families[where], addendum, displacement)]
+            )
     outside = marked(in_range.shape, {DesignReason.OUT_OF_RANGE: ~in_range})
-    return joined(parts).refused(outside)
+    order = np.argsort(np.concatenate(places), kind="stable")
+    return joined(parts).chosen(order).refused(outside)
+
+
+def _continuous(
+    own: GearParameters,
+    values: DesignValues,
+    families: Array,
+    addendum: float | None,
+    displacement: float | None,
+) -> EvaluatedDesigns:
+    """Designs of continuous contact, one after the other; keys of other families do not act."""
+    rows = [
+        _continuous_numbers(
+            own,
+            str(family),
+            {path.partition(".")[2]: x[k] for path, x in values.varied.items()},
+            addendum,
+            displacement,
+        )
+        for k, family in enumerate(families)
+    ]
+    numbers = {name: np.array([row[name] for row, _ in rows]) for name in rows[0][0]}
+    reasons = np.array([bits for _, bits in rows], dtype=np.int64)
+    return EvaluatedDesigns(numbers, np.zeros_like(reasons)).refused(reasons)
+
+
+def _continuous_numbers(
+    own: GearParameters,
+    family: str,
+    varied: Mapping[str, Any],
+    addendum: float | None,
+    displacement: float | None,
+) -> tuple[dict[str, float], int]:
+    names = {
+        "displacement_cm3_per_rev", "flow_ripple_percent", "flow_ripple_dual_percent",
+        "contact_ratio", "overlap_ratio", "trapped_volume_mm3", "dead_volume_mm3",
+        "trapped_volume_change_mm3", "tip_land_mm", "root_clearance_mm", "center_distance_mm",
+        "normal_backlash_mm", "operating_pressure_angle_deg", "base_diameter_mm",
+        "tip_diameter_mm", "face_width_mm", "envelope_cm3",
+    }  # fmt: skip
+    nothing = dict.fromkeys(sorted(names), np.nan)
+    kept = ("tooth_count", "module", "helix_angle", "face_width", "normal_backlash")
+    shape = SHAPE_KEYS.get(family, ())
+    given = {name: varied.get(name, getattr(own, name)) for name in (*kept, *shape)}
+    given["tooth_count"] = int(given["tooth_count"] or 0)
+    try:
+        if addendum is not None and "tip_diameter" in shape:
+            pitch = given["tooth_count"] * given["module"] / np.cos(given["helix_angle"])
+            given["tip_diameter"] = pitch + 2.0 * addendum * given["module"]
+        keys = GearParameters(
+            family=family,
+            tip_land=own.tip_land,
+            material=own.material,
+            roughness=own.roughness,
+            **given,
+        )
+        gear = keys.continuous_gear()
+        gear.check()
+    except GeometryError:
+        return nothing, int(DesignReason.CONTINUOUS)
+    except CaseError:
+        return nothing, int(DesignReason.OUT_OF_RANGE)
+    width = given["face_width"]
+    if displacement is not None:
+        width = displacement / gear.displacement_per_radian(1.0)
+    overlap = width * np.tan(given["helix_angle"]) / (np.pi * gear.module)
+    ripple = 100.0 * gear.flow_ripple(float(overlap))
+    tip, distance = gear.tip_radius, 2.0 * gear.reference_radius
+    root = np.hypot(*gear.points(gear.pieces()[0](np.zeros(1)), mate=True)[0])
+    numbers = nothing | {
+        "displacement_cm3_per_rev": 2e6 * np.pi * gear.displacement_per_radian(width),
+        "flow_ripple_percent": ripple,
+        "flow_ripple_dual_percent": ripple,
+        "contact_ratio": 0.5,
+        "overlap_ratio": float(overlap),
+        "tip_land_mm": 1e3 * gear.tip_land,
+        "root_clearance_mm": 1e3 * float(distance - tip - root),
+        "center_distance_mm": 1e3 * distance,
+        "normal_backlash_mm": 1e3 * given["normal_backlash"],
+        "tip_diameter_mm": 2e3 * tip,
+        "face_width_mm": 1e3 * width,
+        "envelope_cm3": 1e6 * (distance + 2.0 * tip) * 2.0 * tip * width,
+    }
+    broken = {
+        DesignReason.CONTACT_RATIO_RULE: overlap + 0.5 < 1.0 - 1e-9,
+        DesignReason.OVERLAP_RULE: rules.overlap_from_whole(overlap) > rules.OVERLAP_TOLERANCE,
+        DesignReason.BACKLASH_RULE: gear.backlash > rules.MAX_CONTINUOUS_BACKLASH * gear.module,
+        DesignReason.CURVATURE_RULE: gear.smallest_radius < rules.MIN_CURVATURE * gear.module,
+    }
+    return numbers, sum(int(reason) for reason, found in broken.items() if found)
 
 
 def _evaluated(

@@ -104,6 +104,14 @@ def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: s
         )
 
 
+SHAPE_KEYS: Mapping[str, tuple[str, ...]] = {
+    "arc_involute_arc": ("pressure_angle", "root_clearance"),
+    "circular_arc": ("tip_diameter",),
+    "sinusoidal": ("tip_diameter",),
+}
+"""Keys that shape teeth of continuous contact, by their families."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class GearParameters(HelicalGearParameters):
@@ -192,12 +200,7 @@ class GearParameters(HelicalGearParameters):
 
     @property
     def _shape_keys(self) -> tuple[str, ...]:
-        by_family = {
-            "arc_involute_arc": ("pressure_angle", "root_clearance"),
-            "circular_arc": ("tip_diameter",),
-            "sinusoidal": ("tip_diameter",),
-        }
-        return by_family.get(self.family, ())
+        return SHAPE_KEYS.get(self.family, ())
 
     @property
     def generator_keys(self) -> tuple[str, ...]:

@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.advice.gear_rules import (
+    MAX_CONTINUOUS_BACKLASH,
+    MIN_CURVATURE,
+    OVERLAP_TOLERANCE,
     backlash_check,
     bearing_checks,
     contact_ratio_check,
+    overlap_from_whole,
     pair_checks,
     strength_checks,
 )
@@ -62,10 +66,6 @@ _UNEQUAL_PITCH = 1e-3
 _SAME_HELIX = 0.02
 """Difference of the helix angle of a file, which is known to 1 %, from that of the case. [-]"""
 _ROUND_OFF = 1e-9
-_OVERLAP_TOLERANCE = 0.05
-_LARGEST_PLAY = 0.005
-"""Backlash of gears whose flanks seal in turn. [modules]"""
-_LEAST_CURVATURE = 0.3
 _LARGEST_REST = 0.01
 DEEPEST_CUT = 0.127e-3
 """Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
@@ -453,10 +453,10 @@ def _continuous_checks(assembly: Assembly, gear: ContinuousGear) -> tuple[Design
     helix = assembly.spec.helix
     overlap = 0.0 if helix is None else helix.overlap_ratio
     total = overlap + contact_ratio(assembly)
-    nearest = max(round(2.0 * overlap), 1) / 2.0
+    away, play = overlap_from_whole(overlap), MAX_CONTINUOUS_BACKLASH * gear.module
     radius, enclosed = gear.smallest_radius, enclosed_area(assembly) * assembly.face_width
     space = assembly.profiles[0].tooth_space_area * assembly.face_width
-    clearance, bend = min(assembly.root_clearances), _LEAST_CURVATURE * gear.module
+    clearance, bend = min(assembly.root_clearances), MIN_CURVATURE * gear.module
     return (
         DesignCheck(
             "total contact ratio", total, "1", "at least 1", total >= 1.0 - _ROUND_OFF,
@@ -465,20 +465,20 @@ def _continuous_checks(assembly: Assembly, gear: ContinuousGear) -> tuple[Design
         ),
         DesignCheck(
             "overlap ratio", overlap, "1",
-            f"within {_OVERLAP_TOLERANCE:g} of 0.5 or a multiple of it",
-            abs(overlap - nearest) <= _OVERLAP_TOLERANCE,
+            f"within {OVERLAP_TOLERANCE:g} of 0.5 or a multiple of it",
+            away <= OVERLAP_TOLERANCE,
             "Flow of a section repeats every half pitch, so that sections over a multiple of it "
             "deliver without kinematic ripple.",
         ),
         DesignCheck(
             "normal backlash", gear.backlash * 1e3, "mm",
-            f"up to {_LARGEST_PLAY * gear.module * 1e3:.3g} mm ({_LARGEST_PLAY:g} modules)",
-            gear.backlash <= _LARGEST_PLAY * gear.module,
+            f"up to {play * 1e3:.3g} mm ({MAX_CONTINUOUS_BACKLASH:g} modules)",
+            gear.backlash <= play,
             "Both flanks seal in turn: play between them joins inlet and outlet in the mesh.",
         ),
         DesignCheck(
             "smallest radius of curvature", radius * 1e3, "mm",
-            f"at least {bend * 1e3:.3g} mm ({_LEAST_CURVATURE:g} modules)",
+            f"at least {bend * 1e3:.3g} mm ({MIN_CURVATURE:g} modules)",
             radius >= bend,
             "Contact pressure grows without bound where a flank bends about a point.",
         ),

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
@@ -111,11 +111,13 @@ class LobeContact:
         return np.where(self.near[:, None], np.column_stack(columns), 0.0)
 
 
-def _outlines(rotors: Rotors) -> tuple[Any, ...]:
-    return rotors.inner, rotors.outer, rotors.inner_tooth_count, rotors.eccentricity
-
-
-@recalled(4, lambda rotors, nodes=NODES_PER_PITCH: (_outlines(rotors), nodes))
+@recalled(
+    4,
+    lambda rotors, nodes=NODES_PER_PITCH: (
+        *(rotors.inner, rotors.outer, rotors.inner_tooth_count, rotors.eccentricity),
+        nodes,
+    ),
+)
 def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
     """Find all contacts of two rotors.
 
