@@ -254,9 +254,9 @@ CLAIMS = (
         reason=(
             "The bearing rises at every step and comes back in a loop, but at 155.2 bar its mean "
             "film is 5.9 um, beyond the own limit: bearing and gears are compressed there, and "
-            "1.5 % of the flow passes. A bearing of 60 mm in place of 38 mm stays at 4.0 um there and "
-            "loses the second leg at low pressure (docs/validation/lateral_gap.md). The source "
-            "deviates most at this pressure, too."
+            "1.5 % of the flow passes. A bearing of 60 mm in place of 38 mm stays at 4.0 um there, "
+            "and the second leg is no longer higher at low pressure "
+            "(docs/validation/lateral_gap.md). The source deviates most at this pressure, too."
         ),
     ),
     Claim(
