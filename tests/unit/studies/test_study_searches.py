@@ -91,7 +91,7 @@ def test_tolerance_gives_scatter_sensitivity_and_share(calls: list[Case], tmp_pa
     assert {"scatter.csv", "rank_correlation.csv", "points.csv"} < {
         p.name for p in tmp_path.iterdir()
     }
-    assert study_report_html(result).count("<figure") == 2
+    assert study_report_html(result).count("<figure id=") == 2
 
 
 def test_tolerances_that_give_a_scrap_rate(calls: list[Case], tmp_path: Path) -> None:
@@ -179,7 +179,7 @@ def test_evolution_finds_the_constrained_best(calls: list[Case], tmp_path: Path)
     assert result.numbers["best_point"]["volumetric_efficiency"] >= 0.96
     assert result.numbers["at_bounds"] == [SPEED]
     assert len(calls) <= 600
-    assert study_report_html(result).count("<figure") == 1
+    assert study_report_html(result).count("<figure id=") == 1
 
 
 def test_a_robust_search_keeps_away_from_the_edge(calls: list[Case]) -> None:
@@ -328,7 +328,7 @@ def test_calibration_to_steady_points(calls: list[Case], tmp_path: Path) -> None
     count = len(calls)
     run_study(calibration(tmp_path, header, rows), tmp_path / "out", resume=True)
     assert len(calls) == count
-    assert study_report_html(result).count("<figure") == 1
+    assert study_report_html(result).count("<figure id=") == 1
 
 
 def test_calibration_to_signals_over_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -355,7 +355,7 @@ def test_calibration_to_signals_over_time(monkeypatch: pytest.MonkeyPatch, tmp_p
     )
     # the last part of the signals is held out
     assert result.data["used"].values.tolist() == [True] * 7 + [False] * 3
-    assert study_report_html(result).count("<figure") == 1
+    assert study_report_html(result).count("<figure id=") == 1
 
 
 @pytest.mark.parametrize(
