@@ -71,6 +71,8 @@ def examine_all(
 ) -> list[Examined]:
     """Examine claims, the longest first where several processes share them.
 
+    Claims that judge one computation are examined by one process.
+
     Parameters
     ----------
     workers : int
@@ -82,16 +84,22 @@ def examine_all(
             tell(progress, k / len(claims), claim.key)
             found.append(examine(claim, effort))
         return found
-    longest = sorted(claims, key=lambda claim: -claim.minutes)
+    together: dict[str, list[Claim]] = {}
+    for claim in sorted(claims, key=lambda claim: -claim.minutes):
+        together.setdefault(claim.computed_with or claim.key, []).append(claim)
+    groups = list(together.values())
     known = {}
     with Workers(workers) as pool:
-        for k, one in pool.each(partial(_found, effort), [claim.key for claim in longest]):
-            known[longest[k].key] = Examined(longest[k], *one)
-            tell(progress, len(known) / len(claims), longest[k].key)
+        tasks = [[claim.key for claim in group] for group in groups]
+        for k, found in pool.each(partial(_found, effort), tasks):
+            for claim, one in zip(groups[k], found, strict=True):
+                known[claim.key] = Examined(claim, *one)
+                tell(progress, len(known) / len(claims), claim.key)
     return [known[claim.key] for claim in claims]
 
 
-def _found(effort: Effort, key: str) -> tuple[Evidence, str, float]:
-    """What a claim gives, without the claim, whose functions do not go between processes."""
-    one = next(examine(claim, effort) for claim in CLAIMS if claim.key == key)
-    return one.finding, one.trouble, one.duration
+def _found(effort: Effort, keys: Sequence[str]) -> list[tuple[Evidence, str, float]]:
+    """What claims give, without the claims, whose functions do not go between processes."""
+    by_key = {claim.key: claim for claim in CLAIMS}
+    examined = [examine(by_key[key], effort) for key in keys]
+    return [(one.finding, one.trouble, one.duration) for one in examined]

@@ -185,6 +185,8 @@ class Claim:
     """Rough duration of the full computation on one core. [min]"""
     reason: str = ""
     """Why this version does not meet it; empty where it does."""
+    computed_with: str = ""
+    """Key of the claim whose computation it judges, too; empty where it has its own."""
 
 
 @final

@@ -243,6 +243,7 @@ CLAIMS = (
         "A change counts from the 0.05 um of the sensor on.",
         _second_leg,
         10.0,
+        computed_with="fuel_pump_loop_055",
     ),
     Claim(
         "fuel_pump_loop_078",

@@ -150,6 +150,39 @@ def test_processes_find_what_one_does(monkeypatch) -> None:
         assert one.verdict == other.verdict == "pass"
 
 
+def test_one_process_examines_the_claims_of_one_computation(monkeypatch) -> None:
+    tasks = []
+
+    class Here:
+        """Calls the function in this process and keeps what it was given."""
+
+        def __init__(self, count: int) -> None:
+            self.count = count
+
+        def __enter__(self) -> Here:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def each(self, function, given):
+            tasks.extend(given)
+            yield from enumerate(function(one) for one in given)
+
+    monkeypatch.setattr(book, "Workers", Here)
+    keys = {claim.key for claim in book.CLAIMS}
+    shared = {c.key: c.computed_with for c in book.CLAIMS if c.computed_with}
+    assert shared
+    assert set(shared.values()) <= keys - shared.keys()
+    light = replace(book.CLAIMS[0], minutes=1.0)
+    beside = replace(light, key="beside", computed_with=light.key)
+    monkeypatch.setattr(book, "CLAIMS", (light, *book.CLAIMS[1:3], beside))
+    found = book.examine_all(book.CLAIMS, "short", workers=2)
+    assert [one.claim.key for one in found] == [claim.key for claim in book.CLAIMS]
+    assert tasks[0] == [light.key, "beside"]
+    assert len(tasks) == 3
+
+
 def test_command(tmp_path: Path, monkeypatch, capsys) -> None:
     given = ["validate", "-o", str(tmp_path / "book.html"), "--force"]
     assert main([*given, "--only", "newton"]) == 2
