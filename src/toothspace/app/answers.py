@@ -15,7 +15,6 @@ from toothspace.core.finding import status_line
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
-from toothspace.plotting.section import pitch_angle
 from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 from toothspace.results.variables import CURVES
@@ -226,7 +225,7 @@ def turning_answer(case: Case, solution: Solution, frames: int = 24) -> dict[str
     """
     description, data = describe(case), solution.data
     angle = np.asarray(data["shaft_angle"])
-    asked = angle[0] + np.arange(frames) / frames * pitch_angle(description)
+    asked = angle[0] + np.arange(frames) / frames * description.pitch_angle
     pressure = np.asarray(data["chamber_pressure"])
     places = [int(np.argmin(np.abs(angle - one))) for one in asked]
     found = {

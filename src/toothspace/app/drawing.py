@@ -20,7 +20,6 @@ from toothspace.plotting.section import (
     fixed_parts,
     fluid_cells,
     housing_region,
-    pitch_angle,
     port_region,
     recess_outlines,
 )
@@ -81,7 +80,7 @@ def section(description: MachineDescription, shaft_angle: float = 0.0) -> dict[s
     return {
         "machine": description.name,
         "mode": description.mode,
-        "pitch": pitch_angle(description),
+        "pitch": description.pitch_angle,
         "bodies": [
             {
                 "name": body.name,

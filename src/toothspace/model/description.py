@@ -332,6 +332,12 @@ class MachineDescription:
         return replace(self, floating=Lazy(partial(replace, balance)))
 
     @property
+    def pitch_angle(self) -> float:
+        """Shaft angle after which the chambers look the same. [rad]."""
+        first = self.families[0]
+        return float(first.volume.period / (first.count * abs(first.angle_ratio)))
+
+    @property
     def chamber_count(self) -> int:
         """Number of chambers of all families."""
         return sum(family.count for family in self.families)

@@ -157,10 +157,10 @@ def lateral_lookup(
 
 
 def sampled_loads(description: MachineDescription) -> SampledLoads | None:
-    """Loads on the floating bearing over one pitch; None without tabulated lateral films."""
-    if description.lateral_table is None or description.lateral_balance is None:
-        return None
+    """Loads on the floating bearing over one pitch; None without such a bearing."""
     balance = description.lateral_balance
+    if balance is None:
+        return None
     nodes = description.drain_node + 1
     angles = (np.arange(_SAMPLES) + 0.5) * load_period(balance) / _SAMPLES
     weights = np.stack([load_weights(balance, float(a), nodes) for a in angles])

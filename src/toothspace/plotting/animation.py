@@ -14,7 +14,6 @@ from toothspace.core.progress import Progress, part, tell
 from toothspace.plotting.section import (
     draw_section,
     housing_region,
-    pitch_angle,
     top_of_scale,
 )
 from toothspace.plotting.style import GREY, ORANGE, PRESSURE_COLOURS, new_figure, styled
@@ -100,7 +99,7 @@ def write_animation(
         try:
             with writer.saving(figure, str(writing), dpi=100):
                 for frame in range(frames):
-                    asked = angle[0] + frame / frames * pitch_angle(description)
+                    asked = angle[0] + frame / frames * description.pitch_angle
                     k = int(np.argmin(np.abs(angle - asked)))
                     machine.clear()
                     at_ports = {name: colours(scale(p[k] / _BAR)) for name, p in ports.items()}

@@ -72,12 +72,6 @@ def recess_outlines(description: MachineDescription) -> dict[str, Array]:
     }
 
 
-def pitch_angle(description: MachineDescription) -> float:
-    """Shaft angle after which the chambers look the same. [rad]."""
-    first = description.families[0]
-    return float(first.volume.period / (first.count * abs(first.angle_ratio)))
-
-
 def _tip_radius(description: MachineDescription, body: int) -> float:
     points = description.outlines[description.bodies[body].name]
     return float(np.max(np.hypot(points[:, 0], points[:, 1])))
@@ -110,7 +104,7 @@ def gear_section(
     from matplotlib.colors import Normalize
 
     angle = np.asarray(solution.data["shaft_angle"])
-    pitch = pitch_angle(description)
+    pitch = description.pitch_angle
     winding = description.winding
     views = [(fraction, 0.0) for fraction in fractions]
     if winding is not None:

@@ -23,7 +23,6 @@ from toothspace.plotting.section import (
     fixed_parts,
     fluid_cells,
     housing_region,
-    pitch_angle,
     port_region,
     recess_outlines,
     top_of_scale,
@@ -342,7 +341,7 @@ def turning_section(solution: Solution, description: MachineDescription) -> str:
     from toothspace.report.page import render
 
     angle = np.asarray(solution.data["shaft_angle"])
-    pitch = pitch_angle(description)
+    pitch = description.pitch_angle
     wanted = angle[0] + pitch * np.arange(_FRAMES) / _FRAMES
     samples = sorted({int(np.argmin(np.abs(angle - value))) for value in wanted})
     top = top_of_scale(solution) / _BAR

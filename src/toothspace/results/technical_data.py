@@ -18,6 +18,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.files import write_text
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.core.units import ZERO_CELSIUS
 from toothspace.results.solution import Solution
 from toothspace.results.variables import label_of, stem_and_unit
 
@@ -239,8 +240,8 @@ def pump_quantities(solution: Solution) -> dict[str, float]:
         "GeometricalFlow": displacement * speed,
         "DifferentialPressure": outlet - inlet,
         "FluidTemperature": float(data["fluid_temperature"]),
-        "InletTemperatureOfThePump": found.get("inlet_temperature_degC", math.nan) + 273.15,
-        "OutletTemperatureOfThePump": found.get("outlet_temperature_degC", math.nan) + 273.15,
+        "InletTemperatureOfThePump": found.get("inlet_temperature_degC", math.nan) + ZERO_CELSIUS,
+        "OutletTemperatureOfThePump": found.get("outlet_temperature_degC", math.nan) + ZERO_CELSIUS,
         "Density": float(data["inlet_density"]),
         "MassFlow": found["mean_flow_L_per_min"]
         * _LITRE_PER_MINUTE
@@ -344,10 +345,7 @@ def _mechanism(solution: Solution, identity: str) -> Iterator[dict[str, Any]]:
     """Yield what a steady pump does to the power of its motor."""
     efficiency = pump_quantities(solution).get("PumpEfficiency")
     if efficiency is not None:
-        pump = {
-            "modelType": "Entity",
-            "idShort": "Pump",
-            "semanticId": _meaning(f"{_SIZING}/Pump/1/0"),
+        pump = _element("Entity", "Pump", f"{_SIZING}/Pump/1/0") | {
             "entityType": "SelfManagedEntity",
             "globalAssetId": _asset(identity),
             "statements": [_number("Efficiency", efficiency, f"{_SIZING}/Efficiency/1/0", "1")],
@@ -363,10 +361,7 @@ def _energy(solution: Solution) -> Iterator[dict[str, Any]]:
         # spelt as in the template
         name = "EnergyConsumtionPerCycle"
         meaning = f"{_SIZING}/{name}/1/0"
-        yield {
-            "modelType": "Entity",
-            "idShort": "OverallSystem",
-            "semanticId": _meaning(f"{_SIZING}/OverallSystem/1/0"),
+        yield _element("Entity", "OverallSystem", f"{_SIZING}/OverallSystem/1/0") | {
             "entityType": "CoManagedEntity",
             "statements": [_number(name, energy / _KILOWATT_HOUR, meaning, "kWh")],
         }

@@ -137,7 +137,7 @@ def march_revolutions(
             # a revolution that was begun elsewhere says nothing about the one before
             if previous is not None and not (search and search.moved):
                 every = grid.dense[::_COMPARED]
-                changes.append(_difference(system, previous.states[every], piece.states[every]))
+                changes.append(max(_change(system, previous.states[every], piece.states[every])))
             previous = piece
             if plan.revolutions is not None:
                 continue
@@ -187,8 +187,7 @@ def _march_pitches(
 
     None where teeth differ from one another, or where no pitch is like the one before.
     """
-    first, size = system.description.families[0], system.arrays.size
-    count = round(2.0 * np.pi * first.count * abs(first.angle_ratio) / first.volume.period)
+    size, count = system.arrays.size, round(2.0 * np.pi / system.description.pitch_angle)
     pitch = 2.0 * np.pi / count
     time = pitch / system.condition.shaft_speed
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
@@ -313,7 +312,7 @@ class _PeriodicSearch:
 
     def closes(self, piece: Piece) -> bool:
         """Whether a revolution ends where it began: the next one shows whether it repeats."""
-        return _difference(self._system, piece.states[:1], piece.states[-1:]) <= 1.0
+        return max(_change(self._system, piece.states[:1], piece.states[-1:])) <= 1.0
 
     def start(self, piece: Piece) -> Array:
         """State to begin the next revolution with, not too far from where this one ended."""
@@ -333,7 +332,7 @@ class _PeriodicSearch:
 
 
 def successors(description: MachineDescription, turn: float = 2.0 * np.pi) -> IntArray:
-    """Chamber that stood, one revolution before, where each chamber stands now.
+    """Chamber that stood, a turn of the shaft [rad] before, where each chamber stands now.
 
     A chamber family may come back onto itself in one shaft revolution with its chambers
     exchanged, as the pockets of a rotor that turns more slowly than the shaft.
@@ -364,19 +363,14 @@ def _turns(state: Array) -> int:
 
 def _in_turn(system: System, state: Array, turns: int) -> Array:
     """State of the same machine whole turns before or after, its chambers renamed for it."""
-    moved, ahead = state.copy(), turns - _turns(state)
-    moved[0] += 2.0 * np.pi * ahead
-    places, size = successors(system.description), system.arrays.size
-    node = system.arrays.dynamic_index[: size.chambers]
-    before, after = (node[places], node) if ahead > 0 else (node, node[places])
-    for first in (size.mass, size.gas):
-        for _ in range(abs(ahead)):
-            moved[first + after] = moved[first + before]
-    return moved
+    return _turned(system, state[None], 2.0 * np.pi * (turns - _turns(state)))[0]
 
 
 def _turned(system: System, states: Array, turn: float) -> Array:
-    """States of the same machine turned on by whole pitches [rad], its chambers renamed for it."""
+    """States of the same machine turned by an angle after which its chambers look the same. [rad].
+
+    They are renamed for it.
+    """
     moved, size = states.copy(), system.arrays.size
     moved[:, 0] += turn
     node = system.arrays.dynamic_index[: size.chambers]
@@ -386,12 +380,9 @@ def _turned(system: System, states: Array, turn: float) -> Array:
     return moved
 
 
-def _difference(system: System, before: Array, after: Array) -> float:
-    """Largest change from one revolution to the next over what counts as none. [-]."""
-    return max(_change(system, before, after, 2.0 * np.pi))
-
-
-def _change(system: System, before: Array, after: Array, turn: float) -> tuple[float, float]:
+def _change(
+    system: System, before: Array, after: Array, turn: float = 2.0 * np.pi
+) -> tuple[float, float]:
     """Changes of pressures and of places over what counts as none, between states a turn apart.
 
     Parameters

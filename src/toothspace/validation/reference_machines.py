@@ -45,19 +45,19 @@ def pumps() -> dict[str, dict[str, str]]:
     return {row["id"]: row for row in rows_of("service_manuals", "lubricating_gerotors.csv")}
 
 
+def _between(row: dict[str, str], name: str, place: str) -> float:
+    """Clearance at an end or in the middle of its range. [mm]."""
+    low, high = (float(row[f"{name}_clearance_{end}_mm"]) for end in ("min", "max"))
+    return {"min": low, "mid": 0.5 * (low + high), "max": high}[place]
+
+
 def pump_overrides(row: dict[str, str], place: str, point: int) -> tuple[str, ...]:
     """Changes that make the trochoidal reference pump that of a manual.
 
     Feeler gauges find twice the gap of centred lobes, the play of the rotor on its diameter and
     that of both faces together.
     """
-    tip, side, housing = (
-        500.0 * {"min": low, "mid": 0.5 * (low + high), "max": high}[place]
-        for low, high in (
-            [float(row[f"{name}_clearance_{end}_mm"]) for end in ("min", "max")]
-            for name in ("tip", "side", "case")
-        )
-    )
+    tip, side, housing = (500.0 * _between(row, n, place) for n in ("tip", "side", "case"))
     inner, root = _CAVITY - _ECCENTRICITY, _CAVITY - 3.0 * _ECCENTRICITY
     rise = float(row[f"pressure_{point}_kPa"]) / 100.0
     return (

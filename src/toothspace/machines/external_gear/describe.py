@@ -72,7 +72,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
             paths += (cut.roots(families[gear], gear, left_open, room),)
         families = cut.rest(families[0]), cut.rest(families[1])
     checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
-    equal = spec.drive.deviations is spec.driven.deviations is None
+    equal = spec.drive.deviations is None and spec.driven.deviations is None
     own = None if equal else own_teeth(assembly, numbering, spaces)
     if own is not None:
         widths = spec.drive.face_width, spec.driven.face_width

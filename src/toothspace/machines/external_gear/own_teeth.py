@@ -97,18 +97,14 @@ class OwnTeeth:
         return replace(contact, own=tuple(_with_first(contact.geometry, gap) for gap in gaps))
 
 
-def own_teeth(
-    assembly: Assembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]
-) -> OwnTeeth | None:
-    """Deviations of both gears in mesh; None where all teeth are equal.
+def own_teeth(assembly: Assembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]) -> OwnTeeth:
+    """Deviations of both gears in mesh, of which one or both have some.
 
     Gaps, sections and tips of every tooth.
 
     Raises GeometryError if the gears have unlike tooth counts, or flanks overlap.
     """
     gears = assembly.spec.drive, assembly.spec.driven
-    if all(gear.deviations is None for gear in gears):
-        return None
     first, second = assembly.counts
     if first != second:
         raise GeometryError(
