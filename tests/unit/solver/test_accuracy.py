@@ -111,7 +111,7 @@ def test_a_cyclic_result_is_kept_where_the_tighter_march_fails(
 def test_revolutions_that_never_agree_end_before_the_last_with_their_own_advice(
     machine: System, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cyclic, "_difference", lambda *_: 5.0)
+    monkeypatch.setattr(cyclic, "_change", lambda *_: (5.0, 0.0))
     plan = RunPlan(max_revolutions=40, samples_per_revolution=36)
     history = cyclic.march_revolutions(machine.at(relative_tolerance=1e-4), plan)
     assert history.status is Status.NOT_REPEATING
@@ -133,7 +133,7 @@ def test_stalled_changes_are_told_from_slow_ones(
     given = iter(changes)
     # whether one revolution closes is asked with a single state
     monkeypatch.setattr(
-        cyclic, "_difference", lambda _, before, __: next(given) if len(before) > 1 else 2.0
+        cyclic, "_change", lambda _, before, __: (next(given) if len(before) > 1 else 2.0, 0.0)
     )
     plan = RunPlan(max_revolutions=24, samples_per_revolution=36)
     history = cyclic.march_revolutions(machine.at(relative_tolerance=1e-4), plan)
