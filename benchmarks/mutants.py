@@ -2,9 +2,10 @@
 
 ``python -m benchmarks.mutants`` puts every spoiled line of the list below into a copy of the
 package and runs the behaviour tests of its room there, without stored numbers. ``--random N`` draws
-further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``. Each
-run has a cache of its own, as compiled code follows the sources. The table says which test saw
-what; ``-o`` keeps it as JSON.
+further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``.
+``--wider`` asks verification and stored numbers where these see nothing. Each run has a cache of
+its own but for compiled code, whose files are named by what they are made of. The table says which
+test saw what; ``-o`` keeps it as JSON, and a command that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -14,14 +15,17 @@ import ast
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+
+from toothspace.core.compilation.sources import compiled_folder
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 SOURCES = REPOSITORY / "src" / "toothspace"
@@ -32,6 +36,7 @@ ROOMS = {
     "circuit": ("tests/unit/circuit",),
     "films": ("tests/unit/films",),
     "floating": ("tests/unit/floating",),
+    "fmi": ("tests/unit/fmi",),
     "gearing": ("tests/unit/gearing", "tests/unit/geometry/test_geometry_gear_pair.py"),
     "geometry": ("tests/unit/geometry",),
     "machines": ("tests/unit/machines", "tests/unit/gearing"),
@@ -41,6 +46,8 @@ ROOMS = {
     "solver": ("tests/unit/solver", "tests/unit/run"),
 }
 """Behaviour tests of each package: they run in minutes and compare with no stored number."""
+WIDER = ("tests/verification", "tests/regression")
+"""What of the fast suite is asked where the room sees nothing; stored numbers last."""
 
 OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Lt: ">", ast.Gt: "<"}
 """What stands in place of an operator."""
@@ -204,24 +211,40 @@ class Verdict:
     seconds: float
 
 
+def nearest_first(mutant: Mutant) -> list[str]:
+    """Test files of a spoiled line, those that name its module before the others."""
+    package, module = mutant.file.removesuffix(".py").replace("/", ".").rpartition(".")[::2]
+    named = re.compile(rf"{re.escape(package)}(\.| import .*\b){module}\b")
+    files = []
+    for test in mutant.tests:
+        path = REPOSITORY / test
+        files += sorted(path.rglob("test_*.py")) if path.is_dir() else [path]
+    files.sort(key=lambda file: named.search(file.read_text(encoding="utf-8")) is None)
+    return [file.relative_to(REPOSITORY).as_posix() for file in files]
+
+
 def judged(mutant: Mutant) -> Verdict:
     """Run the tests of a spoiled line against a copy of the package."""
     started = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "toothspace"
+        cache = Path(folder) / "cache" / "toothspace"
+        cache.mkdir(parents=True)
+        compiled_folder().mkdir(parents=True, exist_ok=True)
+        (cache / "compiled").symlink_to(compiled_folder(), target_is_directory=True)
         shutil.copytree(SOURCES, copy, ignore=shutil.ignore_patterns("__pycache__"))
         file = copy / mutant.file
         file.write_text(mutant.spoiled(file.read_text(encoding="utf-8")), encoding="utf-8")
         environment = {
             **os.environ,
             "PYTHONPATH": folder,
-            "TOOTHSPACE_CACHE": str(Path(folder) / "cache"),
+            "TOOTHSPACE_CACHE": str(cache.parent),
             "PYTHONDONTWRITEBYTECODE": "1",
         }
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
         try:
             done = subprocess.run(
-                [*command, *mutant.tests],
+                [*command, *nearest_first(mutant)],
                 cwd=REPOSITORY,
                 env=environment,
                 capture_output=True,
@@ -240,26 +263,38 @@ def judged(mutant: Mutant) -> Verdict:
     return Verdict(mutant, outcome, test, time.perf_counter() - started)
 
 
+def read(path: Path | None) -> list[Verdict]:
+    """Verdicts that were kept before."""
+    if path is None or not path.exists():
+        return []
+    kept = json.loads(path.read_text(encoding="utf-8"))
+    return [Verdict(**{**one, "mutant": Mutant(**one["mutant"])}) for one in kept]
+
+
 def main() -> int:
     """Judge the list, or lines drawn at random; 1 if a line of the list survives."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
     parser.add_argument("--random", type=int, default=0, help="so many lines drawn, not the list")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--room", choices=sorted(ROOMS))
+    parser.add_argument("--wider", action="store_true", help="ask verification, stored numbers")
     parser.add_argument("-o", "--output", type=Path, help="verdicts as JSON")
     given = parser.parse_args()
     chosen = list(random_mutants(given.random, given.seed, given.room)) or list(MUTANTS)
-    verdicts = []
-    for mutant in chosen:
+    verdicts = read(given.output)
+    for mutant in chosen[len(verdicts) :]:
         verdict = judged(mutant)
+        if given.wider and verdict.outcome == "survived":
+            verdict = judged(replace(mutant, tests=WIDER))
         verdicts.append(verdict)
+        if given.output:
+            text = json.dumps([asdict(v) for v in verdicts], indent=1) + "\n"
+            given.output.write_text(text, "utf-8")
         change = f"{mutant.before.strip()} -> {mutant.after.strip()}"
         line = f"{verdict.outcome:9}  {verdict.seconds:5.0f} s  {mutant.file}: {change}"
         print(f"{line}  {verdict.test}", flush=True)
     survived = sum(verdict.outcome in {"survived", "not judged"} for verdict in verdicts)
     print(f"{len(verdicts) - survived} of {len(verdicts)} spoiled lines were noticed")
-    if given.output:
-        given.output.write_text(json.dumps([asdict(v) for v in verdicts], indent=1) + "\n", "utf-8")
     return int(survived > 0 and not given.random)
 
 
