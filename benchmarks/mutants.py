@@ -156,7 +156,7 @@ MUTANTS = (
 def random_mutants(count: int, seed: int, room: str | None) -> Iterator[Mutant]:
     """Draw spoiled operators and constants in formulas of the rooms."""
     draw = random.Random(seed)
-    rooms = [room] if room else list(ROOMS)
+    rooms, known = [room] if room else list(ROOMS), set[tuple[str, int]]()
     for _ in range(count):
         chosen = draw.choice(rooms)
         file = draw.choice(sorted((SOURCES / chosen).rglob("*.py")))
@@ -165,6 +165,9 @@ def random_mutants(count: int, seed: int, room: str | None) -> Iterator[Mutant]:
         if found:
             place, before, after = draw.choice(found)
             name = file.relative_to(SOURCES).as_posix()
+            if (name, place) in known:
+                continue
+            known.add((name, place))
             yield Mutant(name, before, after, ROOMS[chosen], place)
 
 
@@ -224,7 +227,10 @@ def nearest_first(mutant: Mutant) -> list[str]:
 
 
 def judged(mutant: Mutant) -> Verdict:
-    """Run the tests of a spoiled line against a copy of the package."""
+    """Run the tests of a spoiled line against a copy of the package.
+
+    A test that fails is asked again with the line as it was: only what it then passes counts.
+    """
     started = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "toothspace"
@@ -233,34 +239,43 @@ def judged(mutant: Mutant) -> Verdict:
         compiled_folder().mkdir(parents=True, exist_ok=True)
         (cache / "compiled").symlink_to(compiled_folder(), target_is_directory=True)
         shutil.copytree(SOURCES, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(REPOSITORY / "cases", copy / "shipped" / "cases")
         file = copy / mutant.file
-        file.write_text(mutant.spoiled(file.read_text(encoding="utf-8")), encoding="utf-8")
-        environment = {
-            **os.environ,
-            "PYTHONPATH": folder,
-            "TOOTHSPACE_CACHE": str(cache.parent),
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
-        try:
-            done = subprocess.run(
-                [*command, *nearest_first(mutant)],
-                cwd=REPOSITORY,
-                env=environment,
-                capture_output=True,
-                text=True,
-                timeout=LIMIT,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return Verdict(mutant, "timed out", "", time.perf_counter() - started)
-    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    outcome = "survived" if done.returncode == 0 else "killed"
-    if done.returncode not in {0, 1}:
-        # tests that cannot be read say nothing of the line
-        outcome = "not judged"
-    test = lines[0].split(" - ")[0] if lines else ""
+        whole = file.read_text(encoding="utf-8")
+        file.write_text(mutant.spoiled(whole), encoding="utf-8")
+        code, test = tested(nearest_first(mutant), copy.parent)
+        outcome = {0: "survived", 1: "killed", None: "timed out"}.get(code, "not judged")
+        if code == 1:
+            file.write_text(whole, encoding="utf-8")
+            # fails before the line is spoiled, or cannot be read: says nothing of the line
+            if not test or tested([test], copy.parent)[0] != 0:
+                outcome = "not judged"
     return Verdict(mutant, outcome, test, time.perf_counter() - started)
+
+
+def tested(tests: list[str], folder: Path) -> tuple[int | None, str]:
+    """Exit code of tests on the package in a folder, none if without end; the one that failed."""
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(folder),
+        "TOOTHSPACE_CACHE": str(folder / "cache"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+    try:
+        done = subprocess.run(
+            command,
+            cwd=REPOSITORY,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return None, ""
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return done.returncode, lines[0].split(" - ")[0].split(" ", 1)[1] if lines else ""
 
 
 def read(path: Path | None) -> list[Verdict]:
@@ -280,7 +295,8 @@ def main() -> int:
     parser.add_argument("--wider", action="store_true", help="ask verification, stored numbers")
     parser.add_argument("-o", "--output", type=Path, help="verdicts as JSON")
     given = parser.parse_args()
-    chosen = list(random_mutants(given.random, given.seed, given.room)) or list(MUTANTS)
+    drawn = list(random_mutants(given.random, given.seed, given.room))
+    chosen = drawn if given.random else list(MUTANTS)
     verdicts = read(given.output)
     for mutant in chosen[len(verdicts) :]:
         verdict = judged(mutant)
