@@ -141,7 +141,7 @@ MUTANTS = (
         "advice/gear_rules.py",
         "passed=least <= backlash <= most",
         "passed=backlash <= most",
-        ("tests/unit/advice/test_findings_of_a_drawing.py",),
+        ("tests/unit/advice/test_trapping.py",),
     ),
     Mutant(
         "case/conditions.py",
