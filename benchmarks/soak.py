@@ -1,11 +1,11 @@
 """Many runs in one process: do memory, open files, threads and caches stay bounded.
 
 ``python -m benchmarks.soak --count 10000 -o soak.csv`` runs machines of all families one after
-another, each with a speed, a temperature and a design of its own, so that nothing that is kept by
-its values is met again. Every fiftieth run is lumped, the others ideal; every hundredth is saved
-and read again. Memory, open files, threads, objects and the entries of all caches of functions are
-written down on the way. The second half must need no more of each than the first half at its
-peak, memory by 5 % and 20 MB at most: else the exit code is 1.
+another, each with a speed and a temperature of its own and every tenth with a design of its own,
+so that what is kept by its values grows. Every fiftieth run is lumped, the others ideal; every
+hundredth is saved and read again. Memory, open files, threads, objects and the entries of all
+caches of functions are written down on the way. The second half must need no more of each than the
+first half at its peak, memory by 5 % and 20 MB at most: else the exit code is 1.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ FAMILIES = {
 """Cases, how often each is drawn, and a length of each that varies. [mm]"""
 QUICK: dict[str, dict[str, Any]] = {"egm12_pump": {"machine.casing.wear_in": None}}
 """What is left out because it takes long."""
-LUMPED, SAVED = 50, 100
+LUMPED, SAVED, OWN = 50, 100, 10
+"""Every so many runs: one that is lumped, saved, of a design of its own."""
 COLUMNS = ("run", "minutes", "rss_MB", "files", "threads", "objects", "cached", "drafts")
 SLACK, SLACK_MB = 1.05, 20.0
 """How much more memory the second half may need. [-], [MB]"""
@@ -50,9 +51,9 @@ def case_of(number: int, bases: dict[str, Case]) -> Case:
     [name] = draw.choices([*FAMILIES], [often for often, *_ in FAMILIES.values()])
     _, key, low, high = FAMILIES[name]
     lumped = number % LUMPED == LUMPED - 1
+    design = {key: f"{draw.uniform(low, high):.6f} mm"} if number % OWN == 0 else {}
     return bases[name].replace(
         {
-            key: f"{draw.uniform(low, high):.6f} mm",
             "fluid.temperature": f"{draw.uniform(20.0, 80.0):.5f} degC",
             "operating_point.shaft_speed": f"{draw.uniform(500.0, 3000.0):.5f} rpm",
             "operating_point.outlet_load": "fixed_pressure",
@@ -60,6 +61,7 @@ def case_of(number: int, bases: dict[str, Case]) -> Case:
             "run.samples_per_revolution": 90 if lumped else 36,
             "heat.model": "network" if lumped else None,
             **QUICK.get(name, {}),
+            **design,
         }
     )
 
