@@ -39,7 +39,13 @@ from toothspace.numerics.roots import root_between
 from toothspace.run.running_in import CUT_SHORT
 from toothspace.solver.accuracy import balanced
 from toothspace.solver.compiled_model import observe
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.cyclic import (
+    History,
+    RunPlan,
+    first_turn_state,
+    march_near,
+    march_revolutions,
+)
 from toothspace.solver.initial import start_state
 
 LOAD_MATCH = 2e-3
@@ -158,7 +164,10 @@ def march_against_orifice(
         held = None
     if held is None:
         condition = with_held_outlet(system.condition)
-        held = march_held(system.under(condition), plan, progress)
+        under = system.under(condition)
+        held = march_near(under, plan, progress) or march_held(under, plan, progress)
+        if outlet_balance(held).delivered <= 0.0:
+            held = march_held(under, plan, progress)
     if held.status in CUT_SHORT:
         return held, ""
     balance = outlet_balance(held)

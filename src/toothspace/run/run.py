@@ -35,7 +35,13 @@ from toothspace.run.heating import HeatSearch
 from toothspace.run.load_orifice import march_against_orifice, with_held_outlet
 from toothspace.run.running_in import Tracks, named_depths, run_in, running_in_depths
 from toothspace.solver.accuracy import march_to_balance, solve_to_balance
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.cyclic import (
+    History,
+    RunPlan,
+    first_turn_state,
+    march_near,
+    march_revolutions,
+)
 from toothspace.solver.flow_regime import along_spaces, flow_regimes, pressure_along_spaces
 from toothspace.solver.outcome import solution_from
 from toothspace.solver.transient import TimePlan, TransientMarch, transient_solution
@@ -201,6 +207,8 @@ class Marches:
             max_steps=settings.step_limit(over_time=False),
             by_pitch=by_pitch,
         )
+        self._repeats = True
+        """Whether a march by pitches may find one that repeats."""
         self.last = begin
         """The last march that was done; None where the next one begins anew."""
 
@@ -232,10 +240,13 @@ class Marches:
         return run.marked(seats.noted(found))
 
     def turned(self, machine: MachineDescription) -> History:
-        """One revolution of this machine from where the last march ended, its pressures held.
+        """Revolution of this machine near its cyclic state, its pressures held.
 
-        The first goes on until it repeats. Near the cyclic state it tells mean flows and losses
-        at the cost of one revolution.
+        Of the first tooth pitch that repeats; where teeth differ the first march goes on until it
+        repeats, and others are one revolution from where the last one ended. It tells mean flows
+        and losses.
+
+        Raises KeyboardInterrupt if interrupted.
         """
         run, condition = self._run, self._run.condition
         if self._orifice:
@@ -248,7 +259,11 @@ class Marches:
         def warming(_: float, text: str) -> None:
             tell(self._progress, UNKNOWN, f"temperatures of the films, {text}")
 
-        history = march_revolutions(system, plan, warming, state)
+        found = march_near(system, plan, warming, state) if self._repeats else None
+        self._repeats = found is not None
+        history = found or march_revolutions(system, plan, warming, state)
+        if history.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
         self.last = history if history.status is Status.DONE else None
         return history
 

@@ -31,6 +31,8 @@ _COMPARED_IN_PITCH = 12
 _MOST_PITCHES = 60
 _SAME_PITCH = 0.25
 """Change of the pressures from pitch to pitch, over what counts as none in a revolution. [-]"""
+_NEAR_TOLERANCE, _NEAR = 1e-5, 4.0
+"""Relative tolerance near the cyclic state, and change there over that of cyclic ones. [-]"""
 _SAME_TEETH = 1e-6
 _PATIENCE = 4
 """Revolutions marched freely before the periodic state is searched for."""
@@ -106,7 +108,7 @@ def march_revolutions(
     their clearance. The march ends before its last revolution where they no longer come closer.
     """
     if plan.by_pitch:
-        found = _march_pitches(system, plan, progress, state)
+        found = _march_pitches(system, plan, progress, state, 1.0)
         if found is not None:
             return found
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
@@ -180,12 +182,29 @@ def march_revolutions(
     )
 
 
+def march_near(
+    system: System, plan: RunPlan, progress: Progress | None = None, state: Array | None = None
+) -> History | None:
+    """Revolution near the cyclic state, made of a tooth pitch that is much like the one before.
+
+    Its mean flows and losses, and its last state to go on from, are those of a machine that has
+    nearly settled. None where teeth differ from one another, or where no pitch is like another.
+    """
+    tolerance = max(_NEAR_TOLERANCE, system.condition.relative_tolerance)
+    return _march_pitches(system.at(relative_tolerance=tolerance), plan, progress, state, _NEAR)
+
+
 def _march_pitches(
-    system: System, plan: RunPlan, progress: Progress | None, state: Array | None
+    system: System, plan: RunPlan, progress: Progress | None, state: Array | None, alike: float
 ) -> History | None:
     """March until a pitch is like the one before, and make a revolution of the last one.
 
     None where teeth differ from one another, or where no pitch is like the one before.
+
+    Parameters
+    ----------
+    alike : float
+        Change from pitch to pitch that counts as none, over that of cyclic states. [-]
     """
     size, count = system.arrays.size, round(2.0 * np.pi / system.description.pitch_angle)
     pitch = 2.0 * np.pi / count
@@ -209,7 +228,8 @@ def _march_pitches(
                 return None
         else:
             pressures, places_of_bodies = _change(system, before, piece.states, pitch)
-            closed = k > 1 and pressures <= _SAME_PITCH and count * places_of_bodies <= 1.0
+            change = max(pressures / _SAME_PITCH, count * places_of_bodies)
+            closed = k > 1 and change <= alike
         before = piece.states
     else:
         return None

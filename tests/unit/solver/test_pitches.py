@@ -8,7 +8,7 @@ import pytest
 from toothspace.api import prepare
 from toothspace.case import load_case
 from toothspace.model.assembly import assemble
-from toothspace.solver.cyclic import RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.cyclic import RunPlan, first_turn_state, march_near, march_revolutions
 from toothspace.solver.outcome import window_ledger
 
 HELD = {"operating_point.outlet_load": "fixed_pressure", "heat": None}
@@ -32,3 +32,18 @@ def test_a_pitch_is_enough_where_teeth_are_alike(name: str) -> None:
     ledger, expected = window_ledger(short), window_ledger(whole)
     assert ledger.mass["outlet"] == pytest.approx(expected.mass["outlet"], rel=5e-4)
     assert ledger.mass_balance_error < 2e-4  # changes that pressures may show, in the gas
+
+
+def test_near_the_cyclic_state_flows_and_losses_are_those_of_whole_revolutions() -> None:
+    run = prepare(load_case("egm12_pump").replace(HELD))
+    system = assemble(run.machine, run.fluid, run.condition)
+    near = march_near(system, RunPlan())
+    assert near is not None
+    whole = march_revolutions(system, RunPlan(), None, first_turn_state(near))
+    assert whole.revolutions == 2  # nothing is left to settle
+    found, expected = window_ledger(near), window_ledger(whole)
+    assert found.mass["outlet"] == pytest.approx(expected.mass["outlet"], rel=1e-3)
+    assert found.energy["shaft"] == pytest.approx(expected.energy["shaft"], rel=1e-3)
+    for loss in expected.losses:
+        share = (found.energy[loss] - expected.energy[loss]) / expected.energy["shaft"]
+        assert abs(share) < 1e-3, loss
