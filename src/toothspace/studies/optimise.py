@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, final
 
@@ -55,9 +56,11 @@ from toothspace.studies.study import (
     StudyTable,
     failed_count,
 )
+from toothspace.studies.surrogate import GaussianProcess, fit_process
 from toothspace.studies.variation import (
     LIMITS,
     VARY,
+    Axis,
     Limit,
     axes_of,
     check_vary,
@@ -74,6 +77,13 @@ if TYPE_CHECKING:
 
 _INFEASIBLE = 1e12
 _FAILED = 1e15
+_CANDIDATES = 2048
+"""Points of a Sobol sequence among which a surrogate chooses, and half as many round the best."""
+_EDGE_LENGTH = 1.0
+"""Over which a run that failed speaks for others, over the range of a key: an assumption. [-]"""
+_TINY = 1e-300
+_WIDTHS = (0.1, 0.03, 0.01, 0.003)
+"""Deviations round the best point, over the range of a key. [-]"""
 
 
 @final
@@ -109,12 +119,20 @@ class OptimiseStudy(KeyTable):
         default=0.9,
     )
     method: str = choice(
-        "Search: over the whole range, or from its middle towards targets.",
+        "Search: over the whole range, from its middle towards targets, or where surrogates of "
+        "the points so far expect the largest improvement.",
         "differential_evolution",
         "least_squares",
+        "surrogate",
         default="differential_evolution",
     )
     evaluation_count: int = integer("Most evaluations.", low=2, high=10**6, default=200)
+    batch_size: int = integer(
+        'With method = "surrogate": points proposed at once, shared by the workers.',
+        low=1,
+        high=1000,
+        default=4,
+    )
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
@@ -130,10 +148,12 @@ class OptimiseStudy(KeyTable):
             require(self, 'with method = "least_squares"', "targets")
             forbid(self, 'with method = "least_squares"', "scatter")
             forbid(self, 'with method = "least_squares"', "constraints")
+        if self.method == "surrogate":
+            require(self, 'with method = "surrogate"', "objective")
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
-    """Search for the best values of ``study.vary``.
+    r"""Search for the best values of ``study.vary``.
 
     Returns
     -------
@@ -143,7 +163,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Raises
     ------
     CaseError
-        If a result has an unknown name, or no point can be run.
+        If a result has an unknown name, no point can be run, or scikit-learn is missing for
+        ``method = "surrogate"``.
 
     Notes
     -----
@@ -153,14 +174,34 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     points get the same deviations from their values; the objective and the violation of a point
     are those that the share ``quantile`` of its machines reach or beat.
 
+    ``surrogate`` begins with a Sobol sequence: a quarter of the points, at least two more than
+    twice the keys. Objective :math:`f` and each side of a limit, :math:`g \le 0`, are then
+    Gaussian processes with mean :math:`m` and deviation :math:`s`. What runs next is where
+
+    .. math:: \left[(f_\mathrm{best} - m)\,\Phi(z) + s\,\varphi(z)\right] \prod \Phi(-m_g/s_g),
+              \qquad z = (f_\mathrm{best} - m)/s
+
+    is largest: expected improvement times the probability that limits are kept, or that
+    probability alone while no point keeps them. Each point of a batch is taken to be as predicted
+    when the next one is chosen. Where runs fail, a process through +1 for these and -1 for the
+    others is one more limit.
+
     References
     ----------
     .. [1] R. Storn, K. Price, Differential evolution, J. Global Optim. 11 (1997) 341-359.
     .. [2] K. Deb, An efficient constraint handling method for genetic algorithms, Comput. Methods
        Appl. Mech. Eng. 186 (2000) 311-338.
+    .. [3] D. R. Jones, M. Schonlau, W. J. Welch, Efficient global optimization of expensive
+       black-box functions, J. Global Optim. 13 (1998) 455-492.
+    .. [4] M. Schonlau, W. J. Welch, D. R. Jones, Global versus local search in constrained
+       optimization of computer models, IMS Lecture Notes 34 (1998) 11-25.
     """
     study = case.study
     assert isinstance(study, OptimiseStudy)
+    if study.method == "surrogate" and find_spec("sklearn") is None:
+        found = "'surrogate', which needs the package scikit-learn"
+        allowed = "'differential_evolution', or after pip install \"toothspace[design]\""
+        raise CaseError("study.method", found, allowed).in_file(case.label)
     wanted = {"study.objective": study.objective} if study.objective else {}
     wanted |= {f"study.targets.{name}": name for name in study.targets or {}}
     wanted |= {f"study.constraints.{name}": name for name in study.constraints or {}}
@@ -185,10 +226,13 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     data.attrs["varied"] = " ".join(axis.path for axis in search.axes)
     data.attrs["objective"] = study.objective or "targets"
     data.attrs["goal"] = study.goal
+    errors = search.hold_out_errors()
+    for name, error in errors.items():
+        data["merit" if name == study.objective else name].attrs["hold_out_error"] = error
     return StudyResult(
         status=status,
         data=data,
-        numbers=search.numbers(best),
+        numbers={**search.numbers(best), **({"hold_out_error": errors} if errors else {})},
         tables=(*search.best_table(best), points_table(search.axes, search.rows, search.records)),
     )
 
@@ -201,6 +245,8 @@ class _TriedPoints:
         self.case, self.study, self.context = case, study, context
         self.axes = axes_of(study.vary, case.label, case)
         self.rows: list[tuple[Any, ...]] = []
+        self.shares = np.empty((0, len(self.axes)))
+        """The same in the unit cube."""
         self.records: list[Record] = []
         self.groups: dict[str, list[Record]] = {}
         """Machines that scatter round a point, by the key of the point."""
@@ -225,6 +271,9 @@ class _TriedPoints:
                 self.study.evaluation_count,
             )
             return found.converged
+        if self.study.method == "surrogate":
+            self._follow_surrogate()
+            return True
         from scipy.optimize import differential_evolution
 
         keys, budget = len(self.axes), self.study.evaluation_count
@@ -260,12 +309,95 @@ class _TriedPoints:
         for k, record in enumerate(records):
             self.groups[record.key] = [record, *others[k * round_each : (k + 1) * round_each]]
         self.rows += rows
+        self.shares = np.vstack([self.shares, shares])
         self.records += records
         study = self.study
         wanted = [*(study.targets or {}), *(study.constraints or {})]
         wanted += [study.objective] if study.objective else []
         require_results(records, wanted, self.case.label)
         return records
+
+    def _follow_surrogate(self) -> None:
+        """Run a first sample, and then batches that surrogates propose."""
+        keys, budget = len(self.axes), self.study.evaluation_count
+        first = min(max(2 * keys + 2, budget // 4), budget)
+        shares = centred(self.axes, unit_samples(keys, "sobol", first, self.study.seed))
+        self._evaluate(np.array(list(dict.fromkeys(map(tuple, shares.tolist())))))
+        while (left := budget - len(self.records)) > 0:
+            proposed = self._proposed(min(self.study.batch_size, left))
+            if not len(proposed):
+                return
+            self._evaluate(proposed)
+
+    def _proposed(self, count: int) -> Array:
+        """Points that surrogates expect most of, shape (points, keys); fewer if all are tried."""
+        keys, seed = len(self.axes), self.study.seed + len(self.records)
+        candidates = unit_samples(keys, "sobol", _CANDIDATES, seed)
+        best = self.best()
+        if best is not None:
+            widths = np.resize(_WIDTHS, (_CANDIDATES // 2, 1))
+            off = widths * np.random.default_rng(seed).normal(size=(_CANDIDATES // 2, keys))
+            candidates = np.vstack([candidates, np.clip(self.shares[best] + off, 0.0, 1.0)])
+        candidates = centred(self.axes, candidates)
+        rows, tried = values_at(self.axes, candidates), set(self.rows)
+        objective, limits = self._processes()
+        cost = None if best is None else self._cost(self.records[best])
+        chosen: list[int] = []
+        for _ in range(count):
+            promise = log_promise(objective, limits, cost, candidates)
+            promise[[row in tried for row in rows]] = -np.inf
+            most = int(np.argmax(promise))
+            if promise[most] == -np.inf:
+                break
+            chosen.append(most)
+            tried.add(rows[most])
+            objective, *limits = (believed(p, candidates[most]) for p in (objective, *limits))
+        return candidates[chosen]
+
+    def _processes(self) -> tuple[GaussianProcess, list[GaussianProcess]]:
+        """Surrogates of the objective to be made small, and of what must be negative."""
+        study = self.study
+        assert study.objective is not None
+        objective = self._process(study.objective, -1.0 if study.goal == "maximise" else 1.0)
+        limits = []
+        for name, limit in (study.constraints or {}).items():
+            if limit.low is not None:
+                limits.append(self._process(name, -1.0, -limit.low))
+            if limit.high is not None:
+                limits.append(self._process(name, 1.0, limit.high))
+        failed = np.array([1.0 - 2.0 * record.succeeded for record in self.records])
+        if failed.max() > 0.0:
+            lengths = np.full(len(self.axes), _EDGE_LENGTH)
+            limits.append(
+                GaussianProcess(self.shares, failed, 0.0, 1.0, 1.0, lengths, 1e-6, math.nan)
+            )
+        return objective, limits
+
+    def _process(self, name: str, factor: float, edge: float = 0.0) -> GaussianProcess:
+        """Surrogate of a number times a factor, less an edge, through the points that have it."""
+        values = np.array([self._reached(record, name, factor) for record in self.records]) - edge
+        known = np.isfinite(values)
+        if not known.any():
+            return fit_process(self.shares[:1], np.zeros(1), self.study.seed)
+        return fit_process(self.shares[known], values[known], self.study.seed)
+
+    def _reached(self, record: Record, name: str, factor: float) -> float:
+        """Number times a factor that the wanted share of the machines of a point stays below."""
+        machines = self.groups.get(record.key, [record])
+        numbers = np.array([factor * r.number(name) if r.succeeded else np.nan for r in machines])
+        numbers = np.where(np.isnan(numbers), np.inf, numbers)
+        return float(np.quantile(numbers, self.study.quantile, method="higher"))
+
+    def hold_out_errors(self) -> dict[str, float]:
+        """Errors of the surrogates of objective and limited numbers. [unit of each number]."""
+        study = self.study
+        if study.method != "surrogate" or not any(record.succeeded for record in self.records):
+            return {}
+        signs = {
+            name: 1.0 if x.low is None else -1.0 for name, x in (study.constraints or {}).items()
+        }
+        signs[study.objective or ""] = -1.0 if study.goal == "maximise" else 1.0
+        return {name: self._process(name, sign).hold_out_error for name, sign in signs.items()}
 
     def _moved(self, values: Mapping[str, Any], off: Mapping[str, float]) -> dict[str, Any]:
         """Values of a point with deviations from them, or from the case where they do not vary."""
@@ -362,6 +494,71 @@ class _TriedPoints:
         names = [self.study.objective, *(self.study.targets or {}), *(self.study.constraints or {})]
         results = [(n, self.records[best].number(n)) for n in dict.fromkeys(names) if n]
         return (StudyTable("best", ("name", "value"), (*values, *results)),)
+
+
+def centred(axes: Sequence[Axis], shares: Array) -> Array:
+    """Points of the unit cube, in the middle of what stands for the same value of a list. [-]."""
+    moved = shares.copy()
+    for k, axis in enumerate(axes):
+        steps = len(axis.values)
+        if axis.whole and not steps and math.isnan(axis.mean):
+            steps = round(axis.high - axis.low) + 1
+        if steps:
+            moved[:, k] = (np.minimum(np.floor(steps * shares[:, k]), steps - 1) + 0.5) / steps
+    return moved
+
+
+def log_promise(
+    objective: GaussianProcess,
+    limits: Sequence[GaussianProcess],
+    best: float | None,
+    shares: Array,
+) -> Array:
+    """Logarithm of expected improvement times the probability that limits are kept. [-].
+
+    Parameters
+    ----------
+    objective : GaussianProcess
+        Of a number to be made small.
+    limits : sequence of GaussianProcess
+        Of numbers that are to be negative.
+    best : float or None
+        Smallest objective that keeps the limits; None leaves the probability alone.
+    shares : ndarray, shape (points, keys)
+        Points of the unit cube. [-]
+    """
+    from scipy.special import log_ndtr, ndtr
+
+    promise = np.zeros(len(shares))
+    for limit in limits:
+        mean, spread = limit.predict(shares)
+        promise += log_ndtr(-mean / _floored(spread, limit))
+    if best is None:
+        return promise
+    mean, spread = objective.predict(shares)
+    spread = _floored(spread, objective)
+    z = (best - mean) / spread
+    density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
+    # far below, the difference of two small numbers: its series
+    far = np.minimum(z, -10.0)
+    series = -0.5 * far**2 - 0.5 * math.log(2.0 * math.pi) - 2.0 * np.log(-far)
+    near = np.log(np.maximum(z * ndtr(z) + density, _TINY))
+    return np.asarray(promise + np.log(spread) + np.where(z < -10.0, series, near))
+
+
+def _floored(spread: Array, process: GaussianProcess) -> Array:
+    return np.maximum(spread, 1e-9 * process.deviation + _TINY)
+
+
+def believed(process: GaussianProcess, share: Array) -> GaussianProcess:
+    """Return the process as if its prediction at a point, shape (keys,), had been computed."""
+    mean, _ = process.predict(share[None])
+    scaled = (mean - process.mean) / (process.deviation or 1.0)
+    return replace(
+        process,
+        points=np.vstack([process.points, share]),
+        values=np.append(process.values, scaled),
+    )
 
 
 _LABEL_WIDTH = 22

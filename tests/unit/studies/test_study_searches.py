@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,9 @@ from toothspace.report.study import study_report_html
 from toothspace.studies import run_study
 from toothspace.studies.least_squares import fit
 from toothspace.studies.measured import read_measured
+from toothspace.studies.optimise import log_promise
 from toothspace.studies.study import FILE_NAME
+from toothspace.studies.surrogate import GaussianProcess
 from toothspace.studies.tolerance import index_samples, rank_correlations, sobol_indices
 from toothspace.studies.variation import Limit, unit_samples
 
@@ -242,6 +246,101 @@ def test_targets_are_reached_by_least_squares(calls: list[Case]) -> None:
     expected = (10.0 - 0.15) / 0.05 * 60.0 / (2.0 * math.pi)
     assert float(best[SPEED].removesuffix(" rpm")) == pytest.approx(expected, rel=1e-3)
     assert len(calls) < 30
+
+
+def test_a_surrogate_finds_the_constrained_best(calls: list[Case], tmp_path: Path) -> None:
+    """Largest flow at an efficiency of at least 0.96: full speed, clearance 20 um."""
+    pytest.importorskip("sklearn")
+    text = 'objective = "mean_flow_L_per_min"\nmethod = "surrogate"\nevaluation_count = 22\n'
+    text += "constraints = {volumetric_efficiency = {low = 0.96}}"
+    result = run_study(case_with_study(optimise(text)), tmp_path)
+    assert result.status is Status.DONE
+    best = result.numbers["best"]
+    assert float(best[CLEARANCE].removesuffix(" um")) == pytest.approx(20.0, abs=0.2)
+    assert float(best[SPEED].removesuffix(" rpm")) == pytest.approx(3000.0, rel=1e-3)
+    assert result.numbers["best_point"]["volumetric_efficiency"] >= 0.96
+    # both numbers are smooth: 15.8 L/min and 0.16 are their spans
+    errors = result.numbers["hold_out_error"]
+    assert 0.0 < errors["mean_flow_L_per_min"] < 0.02
+    assert 0.0 < errors["volumetric_efficiency"] < 1e-3
+    with xr.open_dataset(tmp_path / "study.nc") as data:
+        assert data["merit"].attrs["hold_out_error"] == errors["mean_flow_L_per_min"]
+    count = len(calls)
+    again = run_study(case_with_study(optimise(text)), tmp_path, resume=True)
+    assert len(calls) == count == 22
+    assert again.numbers["best"] == best
+    assert study_report_html(result).count("<figure id=") == 1
+
+
+def test_a_surrogate_keeps_away_from_what_cannot_run(
+    monkeypatch: pytest.MonkeyPatch, calls: list[Case]
+) -> None:
+    """Machines with less than 12 um seize: the best efficiency is beside them."""
+    pytest.importorskip("sklearn")
+    failed = []
+
+    def simulate(case: Case) -> Answer:
+        if case.machine.casing.radial_clearance < 12e-6:
+            failed.append(case)
+            raise RuntimeError("seized")
+        return Answer(answer(case))
+
+    monkeypatch.setattr(api, "simulate", simulate)
+    text = 'objective = "volumetric_efficiency"\nmethod = "surrogate"\nevaluation_count = 18\n'
+    study = "\n".join(x for x in optimise(text + "batch_size = 3").splitlines() if SPEED not in x)
+    found = run_study(case_with_study(study))
+    best = float(found.numbers["best"][CLEARANCE].removesuffix(" um"))
+    # 18 points in equal steps would be 2 um apart
+    assert 12.0 <= best < 12.5
+    assert found.numbers["points_failed"] == len(failed) > 2
+    # nothing that runs
+    never = run_study(case_with_study(study.replace('"40 um"', '"11 um"')))
+    assert never.status is Status.NOT_CONVERGED
+    assert "hold_out_error" not in never.numbers
+
+
+def test_a_surrogate_ends_when_all_is_tried(calls: list[Case]) -> None:
+    """Three clearances and whole temperatures: each once, whatever the budget."""
+    pytest.importorskip("sklearn")
+    study = f"""
+kind = "optimise"
+objective = "volumetric_efficiency"
+method = "surrogate"
+evaluation_count = 60
+[study.vary]
+"{CLEARANCE}" = ["20 um", "10 um", "15 um"]
+"machine.gears.tooth_count" = {{from = 11, to = 12}}
+"""
+    result = run_study(case_with_study(study))
+    assert result.data.sizes["point"] == 6
+    assert result.numbers["best"][CLEARANCE] == "10 um"
+    assert len(calls) == 6
+
+
+def test_promise_is_the_integral_that_it_stands_for() -> None:
+    """Expected improvement by quadrature, times the probability of a limit; far away its log."""
+    here = np.array([[0.5, 0.5]])
+    flat = GaussianProcess(here + 10.0, np.zeros(1), 2.0, 0.5, 1.0, np.ones(2), 1e-10, 0.0)
+    limit = replace(flat, mean=-0.3)
+    mean, spread = flat.predict(here)
+    assert (mean[0], spread[0]) == pytest.approx((2.0, 0.5), rel=1e-3)
+    y = np.linspace(-3.0, 7.0, 200_001)
+    for best in (1.2, 2.0, 2.9):
+        gain = np.trapezoid(np.maximum(best - y, 0.0) * norm.pdf(y, 2.0, 0.5), y)
+        found = log_promise(flat, [limit], best, here)[0]
+        assert found == pytest.approx(math.log(gain * norm.cdf(0.3 / 0.5)), abs=1e-4)
+    assert log_promise(flat, [limit], None, here)[0] == pytest.approx(norm.logcdf(0.6), abs=1e-4)
+    below = [log_promise(flat, [], 2.0 - 0.5 * z, here)[0] for z in (9.9, 10.1, 40.0)]
+    assert below[0] > below[1] > below[2] == pytest.approx(-0.5 * 40.0**2 - 9.0, abs=0.3)
+
+
+def test_a_surrogate_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sklearn", None)
+    text = 'objective = "mean_flow_L_per_min"\nmethod = "surrogate"'
+    with pytest.raises(CaseError, match=r"study\.method: .*scikit-learn.*toothspace\[design\]"):
+        run_study(case_with_study(optimise(text)))
+    with pytest.raises(CaseError, match=r"study\.objective: found nothing"):
+        case_with_study(optimise('targets = {mean_flow_L_per_min = 9}\nmethod = "surrogate"'))
 
 
 def test_impossible_constraints_and_names_are_told(calls: list[Case]) -> None:
