@@ -10,11 +10,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import shapely
 
+import toothspace as ts
 from tests.conftest import REPOSITORY
 from toothspace import cli
+from toothspace.app.drawing import look
+from toothspace.app.handles import closed_form_of
 from toothspace.app.server import BenchServer
+from toothspace.case import load_case
+from toothspace.core.units import to_si
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytest.importorskip("starlette")
@@ -107,6 +114,158 @@ def test_a_dragged_groove_lowers_the_peak(page: Any) -> None:
     page.click("#undo")
     until(other, "bench.design.version === 3")
     until(other, "bench.design.tables.machine.relief_grooves.closing_side_offset === '3.4 mm'")
+
+
+KINEMATICS = """async ([closed, rows]) => {
+    const { kinematics, gearOutline, rotorOutlines } = await import("/static/kinematics.js");
+    return rows.map(row => {
+        const found = kinematics(closed, row);
+        if (!found) return null;
+        const { numbers, rules, teeth, trochoid } = found;
+        const outlines = trochoid ? rotorOutlines(trochoid) : teeth.map(gearOutline);
+        return { numbers, rules, outlines };
+    });
+}"""
+
+
+@pytest.mark.slow
+def test_closed_forms_of_the_page_are_those_of_the_program(page: Any) -> None:
+    """Hundreds of gear pairs, also undercut ones, pointed ones and ones that do not mesh."""
+    random, count = np.random.default_rng(7), 300
+    keys = {
+        "tooth_count": ("", random.integers(9, 20, count).astype(float)),
+        "module": ("mm", random.uniform(2.0, 4.0, count)),
+        "pressure_angle": ("deg", random.uniform(17.0, 25.0, count)),
+        "profile_shift": ("", random.uniform(-0.2, 0.6, count)),
+        "dedendum": ("", random.uniform(1.1, 1.3, count)),
+        "normal_backlash": ("mm", random.uniform(0.05, 0.2, count)),
+        "face_width": ("mm", random.uniform(5.0, 30.0, count)),
+        "helix_angle": ("deg", np.where(np.arange(count) % 3 == 0, 8.0, 0.0)),
+    }
+    teeth = [keys[name][1] for name in ("tooth_count", "profile_shift", "module")]
+    keys["tip_diameter"] = ("mm", (teeth[0] + 2.0 * teeth[1] + 1.8) * teeth[2])
+    case = load_case("egm12_pump")
+    si = {
+        f"machine.gears.{name}": to_si(1.0, unit) * values if unit else values
+        for name, (unit, values) in keys.items()
+    }
+    expected = ts.evaluate_designs(case, si)
+    rows = [
+        {f"machine.gears.{name}": float(values[k]) for name, (_, values) in keys.items()}
+        for k in range(count)
+    ]
+    found = page.evaluate(KINEMATICS, [closed_form_of(case), rows])
+    undercut = 0
+    for k in np.flatnonzero(expected.valid):
+        broken = expected.why(int(k))
+        undercut += "design rule: undercut" in broken
+        for name, value in found[k]["numbers"].items():
+            assert value == pytest.approx(float(expected[name][k]), rel=1e-7), (name, rows[k])
+        rules = found[k]["rules"]
+        assert rules["Contact ratio"][1] == ("design rule: contact ratio" not in broken)
+        assert rules["Normal backlash"][1] == ("design rule: normal backlash" not in broken)
+        lands = all(ok for rule, (_, ok) in rules.items() if rule.startswith("Tip land"))
+        assert lands == ("design rule: tip land" not in broken)
+    assert undercut > 5
+    assert np.count_nonzero(expected.valid) > 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("fuel14_pump", {"machine.gears.profile_shift": -0.06}),
+        ("egm12_motor", {"machine.gears.module": 2.8}),
+        ("crescent_pump", {"machine.pinion.normal_backlash": 0.12}),
+        ("crescent_helical", {"machine.pinion.face_width": 40.0}),
+        ("gerotor_trochoidal", {"machine.rotors.lobe_radius": 8.7}),
+    ],
+)
+def test_what_follows_a_handle_is_what_the_server_draws(
+    page: Any, name: str, values: dict[str, float]
+) -> None:
+    case = load_case(name)
+    (path, value), closed = next(iter(values.items())), closed_form_of(case)
+    unit = {"profile_shift": ""}.get(path.rpartition(".")[2], "mm")
+    other = case.replace({path: f"{value} {unit}" if unit else value})
+    seen = look(other)
+    (found,) = page.evaluate(KINEMATICS, [closed, [values]])
+    for number, own in found["numbers"].items():
+        # tables find trapped volumes and rotor outlines to some 1e-3
+        wide = "volume" in number or number == "flow_ripple_percent"
+        assert own == pytest.approx(seen["numbers"][number], rel=5e-3 if wide else 1e-4), number
+    shown = {rule["label"]: rule for rule in seen["rules"]}
+    for label, (own, passed) in found["rules"].items():
+        wide = label == "Flow ripple"
+        assert own == pytest.approx(shown[label]["value"], rel=5e-3 if wide else 1e-4), label
+        assert passed == shown[label]["passed"]
+    # outlines, about their own centres, but for the angle at which a gear stands
+    for outline, body in zip(found["outlines"], seen["section"]["bodies"], strict=False):
+        drawn = body["outline"][-1 if "trochoid" in str(closed["kind"]) else 0]
+        own, drawn = (np.hypot(*np.array(ring).T) for ring in (outline, drawn))
+        assert own.max() == pytest.approx(drawn.max(), abs=0.01)
+        assert own.min() == pytest.approx(drawn.min(), abs=0.01)
+        areas = [shapely.Polygon(ring).area for ring in (outline, body["outline"][0])]
+        if closed["kind"] != "trochoidal":
+            assert areas[0] == pytest.approx(areas[1], rel=3e-3)
+
+
+@pytest.mark.slow
+def test_numbers_follow_the_pointer_and_each_change_has_its_share(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs >> text=Variants")
+    page.fill("#variant-name", "first")
+    page.click("#variant-form button")
+    page.wait_for_selector("#variants >> text=first")
+    before = page.inner_text("#live [title=displacement_cm3_per_rev]")
+    box = page.locator("[data-path='machine.gears.face_width'] circle").last.bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    looks = page.evaluate("bench.looks.length")
+    page.mouse.move(x + 6.0, y)
+    until(page, f"document.querySelector('#live [title]').textContent !== {before!r}")
+    # the server has not answered yet
+    assert page.evaluate("bench.looks.length") == looks
+    page.mouse.up()
+    until(page, "bench.design.version === 3 && bench.answer?.version === 3")
+    page.focus(GROOVE)
+    page.keyboard.press("Shift+ArrowLeft")
+    until(page, "bench.design.version === 4 && bench.answer?.version === 4")
+    page.click("#variants >> text=why?")
+    page.wait_for_selector("#causes table")
+    heads = page.locator("#causes th").all_inner_texts()
+    assert heads[1:] == [
+        "first", "gears face width", "relief grooves closing side offset", "together", "now",
+    ]  # fmt: skip
+
+    def row(key: str) -> list[float]:
+        cells = page.locator(f"#causes tr[title={key}] td").all_inner_texts()[1:]
+        return [float(cell.replace("−", "-")) for cell in cells]
+
+    for key in ("mean_flow_L_per_min", "max_chamber_pressure_bar"):
+        first, width, groove, rest, now = row(key)
+        assert first + width + groove + rest == pytest.approx(now, rel=2e-3)
+    flow, peak = row("mean_flow_L_per_min"), row("max_chamber_pressure_bar")
+    assert flow[1] > 10.0 * abs(flow[2])
+    assert abs(peak[2]) > abs(peak[1])
+
+
+@pytest.mark.slow
+def test_a_measured_torque_is_laid_over_and_spaces_are_coloured_by_leakage(
+    page: Any, tmp_path: Path
+) -> None:
+    begin(page, "Quiet a pump")
+    page.select_option("#measured-of", "torque")
+    file = tmp_path / "torque.csv"
+    file.write_text("angle,torque\n0,16.5\n180,17.5\n360,16.5\n")
+    page.set_input_files("#measured", str(file))
+    until(page, "document.getElementById('curves').innerText.includes('measured')")
+    page.click("#play")
+    until(page, "document.getElementById('play').getAttribute('aria-pressed') === 'true'")
+    page.click("#play")
+    page.select_option("#colour", "leakage")
+    assert "L/min" in page.inner_text("#scale")
 
 
 @pytest.mark.slow

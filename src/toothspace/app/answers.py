@@ -22,6 +22,7 @@ from toothspace.run.heating import HeatSearch
 from toothspace.run.run import Run
 from toothspace.run.running_in import Tracks
 from toothspace.solver.cyclic import History
+from toothspace.solver.lost_flow import chamber_leakage
 
 _BAR, _LITRE_PER_MINUTE = 1e5, 6e4
 _QUICK = "lumped"
@@ -46,6 +47,8 @@ class Answers:
     """
 
     def __init__(self) -> None:
+        self.march: History | None = None
+        """States of the last one, None of presets without."""
         self._last: History | None = None
         self._tracks: Tracks | None = None
         self._warm: MachineDescription | None = None
@@ -69,12 +72,13 @@ class Answers:
         heat = HeatSearch(case, run.machine)
         heat.agree_with(found)
         self._last, self.solution, self.machine = marches.last, heat.solution, machine
+        self.march = self._last
         return self.solution
 
     def full(self, case: Case, progress: Progress | None = None) -> Solution:
         """Solve a case with its own running-in and the temperatures that its films reach."""
         if case.run.fidelity != _QUICK or case.operating_point is None:
-            self.solution = simulate(case, progress)
+            self.solution, self.march = simulate(case, progress), None
             self.machine = self.solution.description
             return self.solution
         run = prepare(case).worn(progress)
@@ -85,6 +89,7 @@ class Answers:
             pass
         self._last, self._warm = marches.last, heat.machine
         self.solution, self.machine = heat.solution, heat.machine
+        self.march = self._last
         return self.solution
 
     def _worn(self, run: Run, progress: Progress | None) -> Run:
@@ -211,8 +216,12 @@ def _curve(label: str, unit: str, values: Any) -> dict[str, Any]:
     return {"label": label, "unit": unit, "values": rounded(values, 5)}
 
 
-def turning_answer(case: Case, solution: Solution, frames: int = 24) -> dict[str, Any]:
-    """Return a machine turning through one pitch: outlines, pressures, gas and forces. [mm], [bar].
+def turning_answer(
+    case: Case, solution: Solution, march: History | None = None, frames: int = 24
+) -> dict[str, Any]:
+    """Return a machine turning through one pitch: outlines, pressures, gas, leakage and forces.
+
+    Lengths in mm, pressures in bar, flows that leave chambers through gaps in L/min.
 
     Parameters
     ----------
@@ -220,6 +229,8 @@ def turning_answer(case: Case, solution: Solution, frames: int = 24) -> dict[str
         Case with a machine.
     solution : Solution
         Its answer.
+    march : History, optional
+        States of the answer, where they are at hand; there is no leakage without.
     frames : int
         Pictures of one pitch.
     """
@@ -241,6 +252,10 @@ def turning_answer(case: Case, solution: Solution, frames: int = 24) -> dict[str
     if "chamber_gas_fraction" in data:
         gas = np.asarray(data["chamber_gas_fraction"])[places]
         found["gas"] = [rounded(100.0 * row, 4) for row in gas]
+    if march is not None and len(march.states) == angle.size:
+        states = replace(march, times=march.times[places], states=march.states[places], dense=None)
+        leaving = _LITRE_PER_MINUTE * chamber_leakage(states)
+        found["leakage"] = [rounded(row, 4) for row in leaving]
     if "body_force" in data:
         found["forces"] = {
             str(body): [rounded(row[:2], 4) for row in np.asarray(data["body_force"])[places, k]]

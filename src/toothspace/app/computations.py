@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.app.answers import Answers, shown, told, turning_answer
+from toothspace.app.causes import causes
 from toothspace.app.drawing import DRAG_NODES, drawn_bodies, look
 from toothspace.app.workspace import Workspace
 from toothspace.case import Case, load_case
@@ -106,6 +107,11 @@ class Computations:
             raise CaseError("There is no answer yet: run the machine first.")
         return told(answers.solution)
 
+    def causes(self, first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+        """What each key that differs between two cases changes in the answer."""
+        with reporting_to(self._told):
+            return causes(self.case(first), self.case(second), self._told)
+
     def turning(self, design: str, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Pictures of one pitch of the last answer."""
         answers = self._answers.get(design)
@@ -113,7 +119,7 @@ class Computations:
             raise CaseError("There is no answer yet: run the machine first.")
         if "shaft_angle" not in answers.solution.data.sizes:
             raise CaseError("A run over time does not repeat: it has no pictures of one pitch.")
-        return turning_answer(self.case(tables), answers.solution)
+        return turning_answer(self.case(tables), answers.solution, answers.march)
 
     def views(self, design: str, tables: Mapping[str, Any]) -> list[dict[str, Any]]:
         """Views of the last answer."""
@@ -186,11 +192,19 @@ class Computations:
 
     def animation(self, tables: Mapping[str, Any], folder: str) -> dict[str, Any]:
         """Run a case and write its turning machine as GIF."""
-        from toothspace.api import simulate
-        from toothspace.plotting.animation import write_animation
+        return self._moving(tables, Path(folder) / "turning.gif")
 
+    def film(self, tables: Mapping[str, Any], folder: str) -> dict[str, Any]:
+        """Run a case and write its turning machine as MP4."""
+        return self._moving(tables, Path(folder) / "turning.mp4")
+
+    def _moving(self, tables: Mapping[str, Any], path: Path) -> dict[str, Any]:
+        from toothspace.api import simulate
+        from toothspace.plotting.animation import require_writer, write_animation
+
+        require_writer(path)
         solution = simulate(self.case(tables), self._told)
-        write_animation(solution, Path(folder) / "turning.gif", progress=self._told)
+        write_animation(solution, path, progress=self._told)
         return shown(solution)
 
     def found_in(

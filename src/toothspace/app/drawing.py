@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toothspace.app.handles import handles_of
+from toothspace.app.handles import closed_form_of, handles_of
+from toothspace.app.side_view import side_view
 from toothspace.case import Case
 from toothspace.core.files import plain
 from toothspace.core.registry import machine_type
@@ -56,8 +57,10 @@ def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
     description = described(spec) if nodes is None else described(spec, nodes)
     return {
         "section": section(description),
+        "side": side_view(case, description).parts,
         "handles": handles_of(case, description),
         "numbers": plain(description.geometry_summary),
+        "closed": closed_form_of(case),
         "openings": openings(description),
         "volume": volume(description),
         "rules": [

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.advice import gear_rules
+from toothspace.app.side_view import side_view
 from toothspace.case import Case
 from toothspace.core.keys import Bounded, Integer, QuantityKey, Table, keys_of
 from toothspace.core.types import Array
@@ -18,6 +20,8 @@ _MM = 1e3
 _REACH = 0.5
 """A slider reaches this share of its value to either side, within what the key allows. [-]"""
 TABLES = ("machine", "fluid", "operating_point")
+_LANDS = ("land_max_half_angle", "land_min_half_angle")
+"""Half lands of gerotor kidneys at the largest and the smallest pocket."""
 _MOTION_OF_GROOVES = {"closing_side_offset": "outlet", "opening_side_offset": "inlet"}
 """Port on whose side the edge of a groove lies: the trapped volume shrinks into the outlet."""
 
@@ -28,26 +32,101 @@ def handles_of(case: Case, description: MachineDescription) -> list[dict[str, An
     Values are in the unit of the key; places in mm of the section: ``line`` moves along a
     direction [mm per unit], ``arc`` round a centre [rad per unit].
     """
-    places = {path: place for path, place in _places(case, description)}
-    found = []
-    for path, key, value, given in _numbers(case):
-        if not given and path not in places:
-            continue
-        low, high = _range(key, value)
-        found.append(
-            {
-                "path": path,
-                "label": _label(path),
-                "doc": key.doc,
-                "unit": key.unit if isinstance(key, QuantityKey) else "",
-                "whole": isinstance(key, Integer),
-                "value": _in_unit(key, value),
-                "low": low,
-                "high": high,
-                "place": places.get(path),
-            }
-        )
-    return found
+    places = side_view(case, description).places | dict(_places(case, description))
+    found = [
+        _handle(path, key, value, places.get(path))
+        for path, key, value, given in _numbers(case)
+        if given or path in places
+    ]
+    return [*found, *_land_handles(case, description)]
+
+
+def _handle(path: str, key: Any, value: float, place: Any) -> dict[str, Any]:
+    low, high = _range(key, value)
+    return {
+        "path": path,
+        "label": _label(path),
+        "doc": key.doc,
+        "unit": key.unit if isinstance(key, QuantityKey) else "",
+        "whole": isinstance(key, Integer),
+        "value": _in_unit(key, value),
+        "low": low,
+        "high": high,
+        "place": place,
+    }
+
+
+def _land_handles(case: Case, description: MachineDescription) -> Iterator[dict[str, Any]]:
+    """Edges of kidneys that change over at the extreme volumes, which no key gives as yet.
+
+    One that is moved replaces the timing by both lands.
+    """
+    ports = getattr(case.machine, "ports", None)
+    if getattr(ports, "timing", None) is None or getattr(ports, "contour", None) is not None:
+        return
+    keys, numbers = keys_of(type(ports)), description.geometry_summary
+    lands = {name: math.radians(_number(numbers[f"kinematic_{name}_deg"])) for name in _LANDS}
+    for name in _LANDS:
+        key = keys[name][0]
+        handle = _handle(f"machine.ports.{name}", key, lands[name], _land_place(name, description))
+        others = {
+            f"machine.ports.{other}": f"{_in_unit(key, lands[other])} deg"
+            for other in _LANDS
+            if other != name
+        }
+        yield handle | {"with": {"machine.ports.timing": None, **others}}
+
+
+def _number(value: object) -> float:
+    assert isinstance(value, float)
+    return value
+
+
+def _land_place(name: str, description: MachineDescription) -> dict[str, Any]:
+    """Edge of a kidney beside a land, counted from the line of centres towards the inlet."""
+    contour = description.outlines["port_inlet"]
+    at_largest = name == _LANDS[0]
+    return {
+        "kind": "arc",
+        "center": [0.0, 0.0],
+        "radius": _MM * 0.5 * float(np.hypot(*contour.T).min() + np.hypot(*contour.T).max()),
+        "zero": 0.5 * math.pi if at_largest else -0.5 * math.pi,
+        "turn": -math.radians(1.0) if at_largest else math.radians(1.0),
+    }
+
+
+def closed_form_of(case: Case) -> dict[str, Any] | None:
+    """What the browser computes a machine's numbers from while a handle moves.
+
+    Kind of its formulas, all numbers of ``[machine]`` by key path in the unit of their key, and the
+    limits of the design rules; None where gears or rotors come from files or have no closed form.
+    """
+    machine = case.machine
+    kind = case.machine_type
+    if kind == "gerotor":
+        kind = machine.rotors.kind
+    else:
+        gears = [
+            getattr(machine, name, None) for name in ("gears", "driven_gear", "pinion", "ring")
+        ]
+        drawn = any(getattr(gear, "profile", None) is not None for gear in gears)
+        if drawn or getattr(gears[0], "family", "involute") != "involute":
+            return None
+    return {
+        "kind": kind,
+        "mode": machine.mode,
+        "values": {
+            path: _in_unit(key, value)
+            for path, key, value, _ in _numbers(case)
+            if path.startswith("machine.")
+        },
+        "limits": {
+            "contact_ratio": [gear_rules.MIN_CONTACT_RATIO, gear_rules.MAX_SPUR_CONTACT_RATIO],
+            "tip_land": gear_rules.MIN_TIP_LAND,
+            "root_clearance": gear_rules.MIN_ROOT_CLEARANCE,
+            "backlash": gear_rules.MAX_BACKLASH,
+        },
+    }
 
 
 def _numbers(case: Case) -> Iterator[tuple[str, Any, float, bool]]:
@@ -115,6 +194,7 @@ def _places(case: Case, description: MachineDescription) -> Iterator[tuple[str, 
         yield "machine.journal_bearings.diameter", _line(point, (0.0, -0.5 * 1e-3))
     if hasattr(machine, "rotors"):
         yield "machine.rotors.eccentricity", _line(first.center, (0.0, -1e-3))
+        yield from _rotor_places(case, description)
     housing = getattr(machine, "housing", None)
     if housing is not None and hasattr(housing, "outer_rotor_diameter"):
         point = (0.5 * housing.outer_rotor_diameter, 0.0)
@@ -123,12 +203,74 @@ def _places(case: Case, description: MachineDescription) -> Iterator[tuple[str, 
         tip = float(np.hypot(*outlines[first.name].T).max())
         point = (first.center[0] - tip, first.center[1])
         yield "machine.pinion.tip_diameter", _line(point, (-0.5e-3, 0.0))
+        yield from _mesh_places("pinion", case, description)
+        yield from _filler_places(case, description)
     if len(description.bodies) > 1 and hasattr(machine, "gears"):
         second = description.bodies[1]
-        yield "machine.gears.center_distance", _line(second.center, (0.0, 1e-3))
         tip = float(np.hypot(*outlines[second.name].T).max())
         point = (second.center[0], second.center[1] + tip)
         yield "machine.gears.tip_diameter", _line(point, (0.0, 0.5e-3))
+        yield from _mesh_places("gears", case, description)
+
+
+def _mesh_places(
+    table: str, case: Case, description: MachineDescription
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Profile shift at the root of the first gear, the mesh's play at the centre of the second."""
+    gear, (first, second) = getattr(case.machine, table), description.bodies[:2]
+    if gear.module is not None:
+        root = float(np.hypot(*description.outlines[first.name].T).min())
+        place = _line((first.center[0], first.center[1] - root), (0.0, -gear.module))
+        yield f"machine.{table}.profile_shift", place
+    away = math.copysign(1e-3, second.center[1])
+    yield f"machine.{table}.center_distance", _line(second.center, (0.0, away))
+    angle = description.geometry_summary.get("operating_pressure_angle_deg")
+    if isinstance(angle, float):
+        # an external pair moves apart for more play, a ring with its pinion together
+        share = 0.5e-3 / math.sin(math.radians(angle))
+        yield f"machine.{table}.normal_backlash", _line(second.center, (0.0, share))
+
+
+def _rotor_places(
+    case: Case, description: MachineDescription
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Lobe of the outer rotor beside the smallest pocket, and the kidneys."""
+    rotors, ports = case.machine.rotors, case.machine.ports
+    if rotors.generating_radius is not None and rotors.lobe_radius is not None:
+        angle = -0.5 * math.pi + math.pi / (rotors.inner_tooth_count + 1)
+        out = np.array([math.cos(angle), math.sin(angle)])
+        center = rotors.generating_radius * out
+        inner = center - rotors.lobe_radius * out
+        yield "machine.rotors.generating_radius", _line(tuple(center), tuple(1e-3 * out))
+        yield "machine.rotors.lobe_radius", _line(tuple(inner), tuple(-1e-3 * out))
+    for name, angle in (("inner_radius", 0.2), ("outer_radius", -0.2)):
+        radius = getattr(ports, name)
+        if radius is not None and ports.contour is None:
+            out = np.array([math.cos(angle), math.sin(angle)])
+            yield f"machine.ports.{name}", _line(tuple(radius * out), tuple(1e-3 * out))
+    for name in _LANDS:
+        if getattr(ports, name) is not None:
+            yield f"machine.ports.{name}", _land_place(name, description)
+
+
+def _filler_places(
+    case: Case, description: MachineDescription
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Ends of the crescent and begins of the recesses, about the centre of the pinion."""
+    pinion = description.bodies[0]
+    tip = float(np.hypot(*description.outlines[pinion.name].T).max())
+    for table, end in (("filler", "angle"), ("ports", "start")):
+        for port, turn in (("inlet", 1.0), ("outlet", -1.0)):
+            yield (
+                f"machine.{table}.{port}_{end}",
+                {
+                    "kind": "arc",
+                    "center": [_MM * x for x in pinion.center],
+                    "radius": _MM * tip,
+                    "zero": 0.5 * math.pi,
+                    "turn": turn * math.radians(1.0),
+                },
+            )
 
 
 def _groove_places(path: str, outline: Array) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -13,7 +13,7 @@ from toothspace.app.workspace import Workspace
 from toothspace.core.errors import CaseError, ToothspaceError
 
 MOST_WAITING = 20
-KINDS = {"run": "run", "study": "run", "fmu": "unit", "animation": "animation"}
+KINDS = {"run": "run", "study": "run", "fmu": "unit", "animation": "animation", "film": "film"}
 """Kinds of runs and the method of the process that does each."""
 _LEAST_BETWEEN = 0.1
 """Time between two reports of the same run. [s]"""
@@ -150,7 +150,8 @@ class RunQueue:
             run["files"] = sorted(
                 path.name
                 for path in folder.iterdir()
-                if path.is_file() and path.suffix in {".nc", ".csv", ".html", ".fmu", ".gif"}
+                if path.is_file()
+                and path.suffix in {".nc", ".csv", ".html", ".fmu", ".gif", ".mp4"}
             )
         self._workspace.save_run(run)
         self._told(_short(run))

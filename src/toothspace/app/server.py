@@ -57,6 +57,7 @@ _TYPES = {
     ".json": "application/json",
     ".png": "image/png",
     ".gif": "image/gif",
+    ".mp4": "video/mp4",
     ".fmu": "application/zip",
     ".toml": "application/toml; charset=utf-8",
 }
@@ -257,6 +258,30 @@ class Bench:
             finally:
                 self._solved = ""
         return {**found, "version": design["version"]}
+
+    def causes(self, name: str, given: Mapping[str, Any]) -> Any:
+        """What each changed key does to the answer, from a variant to another one or the design.
+
+        It is given up when the same tab asks for an answer or stops it.
+        """
+        design, asker = self.workspace.design(name), f"{name} {given.get('tab', '')}"
+        states = {kept: one["tables"] for kept, one in design["variants"].items()}
+        pair = []
+        for end in ("from", "to"):
+            label = given.get(end)
+            if label is not None and label not in states:
+                allowed = ", ".join(states) or "none yet"
+                raise CaseError("variant", repr(label)[:200], allowed)
+            pair.append(design["tables"] if label is None else states[label])
+        with self._turn:
+            self._solved = asker
+            try:
+                told = partial(self._progress, name)
+                return self._solving.call("causes", *pair, told=told)
+            except StoppedError:
+                return {"superseded": True}
+            finally:
+                self._solved = ""
 
     def stop(self, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
         """Stop the answer that a tab waits for at once."""
@@ -496,6 +521,7 @@ def application(bench: Bench) -> Any:
             route(f"{one}/variant", bench.variant, "POST"),
             route(f"{one}/look", bench.look, "POST"),
             route(f"{one}/answer", bench.answer, "POST"),
+            route(f"{one}/causes", bench.causes, "POST"),
             route(f"{one}/stop", bench.stop, "POST"),
             route(f"{one}/turning", bench.turning),
             route(f"{one}/findings", bench.findings),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,38 @@ _ARROW = 0.35
 """Length of the largest force over the height of the casing. [-]"""
 
 
+def require_writer(path: Path) -> Any:
+    """Return what writes a moving picture, before anything is computed for it.
+
+    MP4 needs the program ``ffmpeg``, installed or brought by the package ``imageio-ffmpeg``.
+
+    Raises
+    ------
+    CaseError
+        If there is none.
+    """
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    if path.suffix.lower() != ".mp4":
+        return PillowWriter(_PER_SECOND)
+    program = program_named("ffmpeg") or _brought_program()
+    if program is None:
+        allowed = "a .gif, or ffmpeg: of the system, or pip install 'toothspace[film]'"
+        raise CaseError("-o", repr(path.name), allowed)
+    import matplotlib as mpl
+
+    mpl.rcParams["animation.ffmpeg_path"] = program
+    return FFMpegWriter(_PER_SECOND)
+
+
+def _brought_program() -> str | None:
+    if find_spec("imageio_ffmpeg") is None:
+        return None
+    import imageio_ffmpeg
+
+    return str(imageio_ffmpeg.get_ffmpeg_exe())
+
+
 @styled
 def write_animation(
     solution: Solution, path: Path, frames: int = _FRAMES, progress: Progress | None = None
@@ -43,7 +76,7 @@ def write_animation(
     solution : Solution
         Result over the shaft angle.
     path : Path
-        File; GIF or MP4 by its ending. MP4 needs the program ``ffmpeg``.
+        File; GIF or MP4 by its ending.
     frames : int
         Pictures of one pitch.
     progress : callable, optional
@@ -57,10 +90,9 @@ def write_animation(
     Raises
     ------
     CaseError
-        If the result is over time, its machine cannot be rebuilt, or ``ffmpeg`` is missing.
+        If the result is over time, its machine cannot be rebuilt, or the file cannot be made.
     """
     import matplotlib as mpl
-    from matplotlib.animation import FFMpegWriter, PillowWriter
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -69,13 +101,8 @@ def write_animation(
         raise CaseError("result", "a run over time", "a run over the shaft angle with pressures")
     if description is None or description.chamber_outlines is None:
         raise CaseError("result", "a machine that cannot be drawn", "one whose files are there")
-    writer: Any = PillowWriter(_PER_SECOND)
-    if path.suffix.lower() == ".mp4":
-        program = program_named("ffmpeg")
-        if program is None:
-            raise CaseError("-o", repr(path.name), "a .gif, or the program ffmpeg installed")
-        mpl.rcParams["animation.ffmpeg_path"] = program
-        writer = FFMpegWriter(_PER_SECOND)
+    final = path if path.suffix.lower() in ENDINGS else path.with_suffix(".gif")
+    writer = require_writer(final)
     angle = np.asarray(data["shaft_angle"])
     pressure = np.asarray(data["chamber_pressure"])
     ports = {port: np.asarray(data[f"{port}_pressure"]) for port in ("inlet", "outlet")}
@@ -93,7 +120,6 @@ def write_animation(
     cursor = curve.axvline(0.0, color=ORANGE, linewidth=1.2)
     largest = 1.0 if forces is None else max(float(np.hypot(*forces.T).max()), 1.0)
     turning = part(progress, "drawing")
-    final = path if path.suffix.lower() in ENDINGS else path.with_suffix(".gif")
     with draft_of(final) as draft:
         writing = draft.with_name(f"{draft.name}{final.suffix}")
         try:

@@ -186,6 +186,25 @@ def path_leakage(look: Look, share: Array) -> tuple[Array, Array]:
     return by_pressure, by_drag
 
 
+def chamber_leakage(history: History) -> Array:
+    """Flow that leaves every chamber through gaps, by pressure and drag, trapped chambers too.
+
+    At the density in the chamber that it leaves, shape (samples, chambers). [m3/s]
+    """
+    system, seen = history.system, observe(history.system.arrays, history.states)
+    index, chambers = system.arrays.path_index, system.arrays.size.chambers
+    leaks = np.array([category.role in LEAKAGES for category in system.categories])
+    row, path = np.nonzero(leaks[index[:, col.CATEGORY]] & (seen.path_flow != 0.0))
+    flow = seen.path_flow[row, path]
+    source = np.where(flow > 0.0, index[path, col.NODE_A], seen.path_partner[row, path])
+    inside = source < chambers
+    row, flow, source = row[inside], flow[inside], source[inside]
+    shape = len(history.states), chambers
+    volume = np.abs(flow) / seen.density[row, source]
+    total = np.bincount(row * chambers + source, volume, shape[0] * shape[1])
+    return total.astype(float).reshape(shape)
+
+
 def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     """Parts of the lost flow at the density of the inlet, by name; they sum to it. [m3/s].
 

@@ -133,6 +133,7 @@ def test_the_page_asks_for_nothing_from_elsewhere(client: Client) -> None:
     for name in (
         "bench.js",
         "machine.js",
+        "kinematics.js",
         "curves.js",
         "form.js",
         "start.js",

@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 import shapely
 
+from tests.external_gear_designs import egm12
 from toothspace import api
 from toothspace.core.errors import CaseError
 from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.openings import groove_openings
+from toothspace.gearing.spaces import section_areas
+from toothspace.machines.external_gear.assembly import assemble
 
 PITCH_POINT = 17e-3
 ANGLES = {"closing_side_angle": np.deg2rad(12.0), "opening_side_angle": np.deg2rad(-20.0)}
@@ -86,3 +90,17 @@ def test_an_edge_stays_within_its_groove() -> None:
     said = r"opening_side_bow: found 2\.5 mm, with which the edge leaves the groove, allowed less"
     with pytest.raises(CaseError, match=said):
         case.replace({f"{KEYS}.opening_side_bow": "2.5 mm"})
+
+
+def test_a_recess_round_all_spaces_opens_each_whole() -> None:
+    """Deep as it is, the area is that of the space; no shape has more area for its perimeter."""
+    spaces = assemble(egm12("pump")).spaces(72)[0]
+    around = spaces.center + 0.1 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    area, diameter = groove_openings(spaces, {"all": around}, depth=10.0)["all"].T
+    near = area > 0.0
+    assert np.mean(near) > 0.9
+    area, diameter = area[near], diameter[near]
+    np.testing.assert_allclose(area, section_areas(spaces)[near], rtol=1e-3)
+    circle = np.sqrt(4.0 * area / np.pi)
+    assert np.all(diameter < circle)
+    assert np.all(diameter > 0.3 * circle)

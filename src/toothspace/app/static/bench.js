@@ -3,6 +3,7 @@ import { ask, by, complain, element } from "./dom.js";
 import { drawCircuit, drawFidelity } from "./circuit.js";
 import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
+import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
 import { showStart } from "./start.js";
 import { factor, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
@@ -11,10 +12,11 @@ const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
 const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
+const LIVE = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "center_distance_mm", "tip_diameter_mm", "root_clearance_mm", "normal_backlash_mm", "flow_ripple_percent", "eccentricity_mm"];
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
-let design = null, schema = null, shape = null, answer = null, ghost = null, measured = null, lastMoved = "";
+let design = null, schema = null, shape = null, answer = null, ghost = null, measured = {}, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
-window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [] };
+window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], get shape() { return shape; } };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
 const curves = new Curves(by("curves"), angle => { if (answer?.turn) turnTo(angle); }), areas = new Curves(by("openings"));
@@ -30,7 +32,7 @@ async function open(id) {
   if (!found) { location.hash = ""; return; }
   by("start").hidden = true; by("bench").hidden = false; by("design-tools").hidden = false;
   Object.assign(window.bench, { answers: [], looks: [] });
-  answer = ghost = shape = measured = null; machine.turn(null); machine.handles = []; machine.box = null;
+  answer = ghost = shape = null; measured = {}; machine.turn(null); machine.handles = []; machine.box = null;
   viewsDrawn = null; by("views").replaceChildren();
   by("tiles").replaceChildren(); by("verdict").textContent = ""; by("curves").replaceChildren(); curves.plots.clear();
   take(found);
@@ -57,9 +59,9 @@ async function look(values, drag, fit = false) {
   for (const handle of found.handles) if (now[handle.path]) { const old = now[handle.path]; Object.assign(handle, { place: old.place ?? handle.place, value: old.value, low: old.low, high: old.high, now: old.now, drawn: values[handle.path] === written(old, old.now) ? old.now - old.value : undefined }); }
   if (held) held.handle = found.handles.find(h => h.path === held.handle.path) ?? held.handle;
   if (drag) machine.turn(null);
-  machine.show(found.section, found.handles, fit);
+  machine.show({ ...found.section, side: found.side }, found.handles, fit);
   if (!drag) dimensions();
-  geometry();
+  if (drag && JSON.stringify(values) !== JSON.stringify(moved())) follow(); else { followed = null; geometry(); live(); }
   if (!drag && !machine.turning && answer?.findings) fetchTurning(); // the answer was here first
 }
 // the newest values win; one question is under way at a time
@@ -73,12 +75,32 @@ async function lookSoon(values) {
   }
   looking = false;
 }
-const moved = () => Object.fromEntries(machine.handles.filter(h => h.now !== undefined && h.now !== h.value).map(h => [h.path, written(h, h.now)]));
+const movedHandles = () => machine.handles.filter(h => h.now !== undefined && h.now !== h.value);
+const moved = () => Object.assign({}, ...movedHandles().map(h => h.with ?? {}), ...movedHandles().map(h => ({ [h.path]: written(h, h.now) })));
 const written = (handle, value) => handle.unit ? `${value} ${handle.unit}` : value;
+
+// closed forms follow the pointer; what the server computes of the same values takes their place
+let followed = null, following = 0;
+function follow() {
+  following ||= requestAnimationFrame(() => {
+    following = 0;
+    followed = shape && kinematics(shape.closed, Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h.now])));
+    if (!followed) return;
+    machine.follow(followed); geometry(); live();
+  });
+}
+function live() {
+  const found = { ...shape.numbers, ...followed?.numbers }, box = by("live"), keys = LIVE.filter(key => typeof found[key] === "number"), broken = rulesNow().filter(r => !r.passed).length;
+  if (box.dataset.keys !== String(keys)) box.replaceChildren(...keys.map(key => element("span", { title: key }, `${named(key).label} `, element("b"))), element("span"));
+  box.dataset.keys = keys;
+  keys.forEach((key, k) => { const { unit } = named(key); box.children[k].lastChild.textContent = `${text(toShown(found[key], unit))} ${unitShown(unit)}`; });
+  box.lastChild.textContent = broken ? `${broken} design rule${broken > 1 ? "s" : ""} not met` : "all design rules met"; box.lastChild.className = broken ? "bad" : "good";
+}
+const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.label]; return now ? { ...r, passed: now[1], shown: `${text(now[0])} ${r.shown.split(" ").slice(1).join(" ")}` } : r; });
 
 function move(handle, value) {
   handle.now = value; lastMoved = handle.path;
-  machine.preview(handle); machine.placeHandles(); showDimension(handle); lookSoon(moved());
+  machine.preview(handle); machine.placeHandles(); showDimension(handle); follow(); lookSoon(moved());
   clearTimeout(timer); clearTimeout(settleTimer);
   timer = setTimeout(() => commit(handle), machine.held ? 1e9 : QUIET);
 }
@@ -110,10 +132,14 @@ async function solve(full = false) {
   showAnswer();
   showViews();
   say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
-  const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
-  if (!full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
+  settleSoon();
   await fetchFindings();
   fetchTurning();
+}
+function settleSoon() {
+  clearTimeout(settleTimer);
+  const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";
+  if (!answer.full && steady) settleTimer = setTimeout(() => solve(true), SETTLE);
 }
 // a quick answer comes before what there is to know of it
 async function fetchFindings() {
@@ -188,7 +214,7 @@ function showAnswer() {
   by("ghost-note").textContent = ghost ? "Dashed grey: the state before the last change." : "";
   if (answer.turn) {
     const all = answer.turn.curves, old = ghost?.turn?.angle.length === answer.turn.angle.length ? ghost.turn.curves : {}, x = answer.turn.angle;
-    const group = (name, title, unit, keys, height) => ({ name, title, unit, x, height, lines: keys.map(k => all[k]), ghosts: keys.slice(0, 1).map(k => old[k]?.values), measured: measured?.name === name ? measured.at(x) : null });
+    const group = (name, title, unit, keys, height) => ({ name, title, unit, x, height, lines: keys.map(k => all[k]), ghosts: keys.slice(0, 1).map(k => old[k]?.values), measured: measured[name]?.(x) ?? null });
     const some = test => Object.keys(all).filter(test);
     const chambers = some(k => k.startsWith("pressure_")), forces = some(k => k.startsWith("force_"));
     curves.show([
@@ -210,9 +236,10 @@ function showAnswer() {
 let geometryBefore = null;
 function geometry() {
   if (by("panel-geometry").hidden) return;
-  by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof shape.numbers[key] === "number").map(key => tile(key, shape.numbers[key], geometryBefore?.[key])));
-  areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
-  const rules = [...shape.rules].sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
+  const found = { ...shape.numbers, ...followed?.numbers };
+  by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof found[key] === "number").map(key => tile(key, found[key], geometryBefore?.[key])));
+  if (!followed) areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
+  const rules = rulesNow().sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
   const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: pretty(r.shown) })), element("p", { className: "small", textContent: `Allowed: ${pretty(r.allowed)}. ${r.reason}` }));
   const more = by("rules").querySelector(":scope > details.more");
   by("rules").replaceChildren(element("p", { textContent: failed.length ? `${failed.length} of ${rules.length} rules are not met.` : `All ${rules.length} rules are met.`, className: failed.length ? "bad" : "good" }), ...failed.map(line), element("details", { className: "more", open: more?.open ?? !failed.length }, element("summary", { textContent: `Met (${met.length})` }), ...met.map(line)));
@@ -227,11 +254,42 @@ function showVariants() {
   if (!kept.length) { by("variants").replaceChildren(element("p", { className: "small", textContent: "Keep a state under a name, change something, and compare." })); return; }
   const states = [...kept.map(([name, v]) => [name, flat(v.tables), v.numbers]), ["now", flat(design.tables), answer?.version === design.version ? answer.numbers : {}]];
   const keys = [...new Set(states.flatMap(([, t]) => Object.keys(t)))].filter(k => new Set(states.map(([, t]) => t[k])).size > 1);
-  const cell = v => element("td", { textContent: v ?? "–" }), rows = TILES.filter(k => states.some(([, , n]) => typeof n[k] === "number"));
+  showCauses();
+  const rows = TILES.filter(k => states.some(([, , n]) => typeof n[k] === "number"));
   by("variants").replaceChildren(element("table", {},
-    element("tr", {}, element("th", { textContent: "" }), ...states.map(([name]) => element("th", {}, name, name === "now" && !(name in design.variants) ? "" : element("div", {}, element("button", { className: "small", textContent: "back to it", onclick: () => variant({ action: "restore", label: name }, true) }), " ", element("button", { className: "small", textContent: "✕", ariaLabel: `Drop ${name}`, onclick: () => variant({ action: "drop", label: name }) }))))),
-    ...keys.map(key => element("tr", { className: "differs", title: key }, element("td", { textContent: key.replace(/^machine\./, "").replace(/[._]/g, " ") }), ...states.map(([, t]) => cell(t[key])))),
+    element("tr", {}, element("th", { textContent: "" }), ...states.map(([name], k) => element("th", {}, name, element("div", {},
+      name === "now" && !(name in design.variants) ? "" : element("button", { className: "small", textContent: "back to it", onclick: () => variant({ action: "restore", label: name }, true) }), " ",
+      name === "now" && !(name in design.variants) ? "" : element("button", { className: "small", textContent: "✕", ariaLabel: `Drop ${name}`, onclick: () => variant({ action: "drop", label: name }) }), " ",
+      k ? element("button", { className: "small", textContent: "why?", title: `What each change from “${states[0][0]}” does to the answers`, onclick: () => explain(states[0][0], k === kept.length ? null : name) }) : "")))),
+    ...keys.map(key => element("tr", { className: "differs", title: key }, element("td", { textContent: plainKey(key) }), ...states.map(([, t]) => cell(t[key])))),
     ...rows.map(key => { const { label, unit } = named(key), percent = key.endsWith("efficiency"), first = states[0][2][key]; return element("tr", { title: key }, element("td", { textContent: `${label}${unit ? `, ${unitShown(unit)}` : percent ? ", %" : ""}` }), ...states.map(([, , n], k) => { const v = n[key]; if (typeof v !== "number") return cell(null); const s = percent ? 100 : 1, shown = toShown(v * s, unit), d = typeof first === "number" ? shown - toShown(first * s, unit) : 0; return cell(text(shown) + (k && Math.abs(d) > 1e-4 * Math.abs(shown) ? ` (${d > 0 ? "+" : "−"}${text(Math.abs(d), 2)})` : "")); })); })));
+}
+const cell = v => element("td", { textContent: v ?? "–" }), plainKey = key => key.replace(/^machine\./, "").replace(/[._]/g, " ");
+// causes: one changed key at a time, the rest by interaction
+let why = null;
+async function explain(from, to) {
+  const version = design.version;
+  clearTimeout(settleTimer); // it would take the place of this question
+  say("finding causes …");
+  const found = await attempt(() => ask(`/api/designs/${design.id}/causes`, { from, to, tab: TAB }));
+  say("");
+  if (design.version !== version) return;
+  if (answer && !answer.full) settleSoon();
+  if (!found || found.superseded) return;
+  why = { ...found, from, to: to ?? "now", version, design: design.id }; showCauses();
+}
+function showCauses() {
+  const box = by("causes");
+  if (!why || why.design !== design.id || (why.to === "now" && why.version !== design.version)) { box.replaceChildren(); return; }
+  const rows = TILES.filter(key => { const [a, b] = [why.first[key], why.second[key]], least = 2e-4 * Math.max(Math.abs(a), Math.abs(b)); return typeof a === "number" && typeof b === "number" && (Math.abs(b - a) > least || why.keys.some(k => Math.abs(k.shares[key]) > least)); });
+  const share = (v, scale, unit, most) => { const shown = toShown(v * scale, unit) - toShown(0, unit), part = most ? Math.abs(v) / most : 0; return element("td", { textContent: part < .005 ? "0" : `${shown > 0 ? "+" : "−"}${text(Math.abs(shown), 3)}`, style: `background:color-mix(in srgb, var(${v > 0 ? "--two" : "--one"}) ${Math.round(45 * part)}%, transparent)` }); };
+  box.replaceChildren(element("h3", { textContent: `What changed from “${why.from}” to “${why.to}”` }), element("p", { className: "small", textContent: "Each column: the answer of the first with that one change, less the answer of the first. Together: what the changes do beyond their sum." }),
+    rows.length ? element("table", {}, element("tr", {}, element("th"), element("th", { textContent: why.from }), ...why.keys.map(k => element("th", { textContent: k.paths.map(plainKey).join(", "), title: k.paths.join("\n") })), why.keys.length > 1 ? element("th", { textContent: "together" }) : null, element("th", { textContent: why.to })),
+      ...rows.map(key => {
+        const { label, unit } = named(key), percent = key.endsWith("efficiency"), scale = percent ? 100 : 1, shares = why.keys.map(k => k.shares[key] ?? 0), rest = why.second[key] - why.first[key] - shares.reduce((a, b) => a + b, 0), most = Math.max(...shares.map(Math.abs), Math.abs(rest));
+        const value = v => cell(text(toShown(v * scale, unit)));
+        return element("tr", { title: key }, element("td", { textContent: `${label}${unit ? `, ${unitShown(unit)}` : percent ? ", %" : ""}` }), value(why.first[key]), ...shares.map(v => share(v, scale, unit, most)), why.keys.length > 1 ? share(rest, scale, unit, most) : null, value(why.second[key]));
+      })) : element("p", { textContent: "No answer differs." }));
 }
 async function variant(given, solved = false) { await attempt(async () => { take(await ask(`/api/designs/${design.id}/variant`, given)); if (solved) { solve(); await look({}, false); } }); }
 let fidelities = null;
@@ -349,14 +407,18 @@ for (const button of document.querySelectorAll("[data-run]")) button.onclick = (
 const undo = again => attempt(async () => { take(await ask(`/api/designs/${design.id}/undo`, { again })); solve(); await look({}, false); });
 by("undo").onclick = () => undo(false); by("redo").onclick = () => undo(true);
 addEventListener("keydown", event => { if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && design && !["INPUT", "TEXTAREA"].includes(document.activeElement.tagName)) { event.preventDefault(); undo(event.shiftKey); } });
+// units of measured columns by curve
+const MEASURED = { chamber: "bar", outlet: "bar", flow: "L/min", torque: "N m" };
 by("measured").onchange = async event => {
   const [file] = event.target.files; if (!file) return;
   const rows = (await file.text()).split(/\r?\n/).map(line => line.split(/[;\t]|,(?!\d+[;\t])/).map(number)).filter(r => r.length > 1 && r.every(Number.isFinite)).sort((a, b) => a[0] - b[0]);
-  if (rows.length < 2) { complain(new Error("The measurement needs two columns: shaft angle in degrees and pressure in bar.")); return; }
-  measured = { name: "chamber", at: x => x.map(a => { const k = rows.findIndex(r => r[0] >= a); if (k <= 0) return k === 0 && rows[0][0] === a ? toShown(rows[0][1], "bar") : null; const [p, q] = [rows[k - 1], rows[k]]; return toShown(p[1] + (q[1] - p[1]) * (a - p[0]) / (q[0] - p[0]), "bar"); }) };
+  const name = by("measured-of").value, unit = MEASURED[name];
+  if (rows.length < 2) { complain(new Error(`The measurement needs two columns: shaft angle in degrees, and values in ${unit}.`)); return; }
+  measured[name] = x => x.map(a => { const k = rows.findIndex(r => r[0] >= a); if (k <= 0) return k === 0 && rows[0][0] === a ? toShown(rows[0][1], unit) : null; const [p, q] = [rows[k - 1], rows[k]]; return toShown(p[1] + (q[1] - p[1]) * (a - p[0]) / (q[0] - p[0]), unit); });
+  event.target.value = "";
   if (answer) showAnswer();
 };
-by("settings-open").onclick = () => { settingsForm(by("settings-form"), () => { document.documentElement.dataset.theme = units.theme; for (const set of [curves, areas]) { set.box.replaceChildren(); set.plots.clear(); } if (design && shape) { dimensions(); geometry(); machine.legend(); machine.fit(); } if (answer) { showAnswer(); showVariants(); showViews(); } }); by("settings").showModal(); };
+by("settings-open").onclick = () => { settingsForm(by("settings-form"), () => { document.documentElement.dataset.theme = units.theme; for (const set of [curves, areas]) { set.box.replaceChildren(); set.plots.clear(); } if (design && shape) { dimensions(); geometry(); live(); machine.legend(); machine.fit(); } if (answer) { showAnswer(); showVariants(); showViews(); } }); by("settings").showModal(); };
 document.documentElement.dataset.theme = units.theme;
 
 const events = new EventSource("/api/events");

@@ -1,9 +1,11 @@
 // The machine, drawn to scale from its tables: a canvas for metal and fluid, handles above it.
 import { by } from "./dom.js";
+import { gearOutline, rotorOutlines } from "./kinematics.js";
 import { text, toShown, unitShown } from "./units.js";
 
 const STOPS = [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]];
 const GAS = [[240, 244, 248], [190, 220, 240], [120, 180, 220], [60, 130, 190], [20, 80, 150], [0, 34, 90]];
+const LEAKS = [[247, 244, 240], [253, 219, 180], [250, 170, 100], [224, 104, 30], [160, 54, 3], [80, 20, 0]];
 let theme = "", cached = {};
 function css(name) {
   if (theme !== document.documentElement.dataset.theme) { theme = document.documentElement.dataset.theme; cached = {}; }
@@ -35,6 +37,7 @@ export class Machine {
     if (this.turning) {
       const ports = [...turning.ports.inlet, ...turning.ports.outlet];
       this.top = Math.max(Math.min(Math.max(...turning.pressure.flat()), 1.5 * Math.max(...ports)), 1);
+      this.leakTop = Math.max(1e-6, ...(turning.leakage ?? [[]]).flat());
       this.forceTop = Math.max(1, ...Object.values(turning.forces ?? {}).flat().map(([x, y]) => Math.hypot(x, y)));
     }
     this.legend(); this.draw();
@@ -59,11 +62,25 @@ export class Machine {
       }
       this.recesses = Object.values(s.recesses).map(outline => ring2path([outline]));
     } else if (name === "center_distance") s.bodies[1].center = s.bodies[1].center.map((c, i) => c + shift[i]);
-    else if (name === "diameter") for (const body of s.bodies) if (body.journal) body.journal += 2 * Math.hypot(...shift) * Math.sign(step);
+    for (const part of s.side ?? []) (part.moves[handle.path] ?? []).forEach((d, k) => { part.edges[k] += d * step; });
+    if (name === "diameter") for (const body of s.bodies) if (body.journal) body.journal += 2 * Math.hypot(...shift) * Math.sign(step);
+    this.draw();
+  }
+  // bodies whose outlines are closed forms
+  follow({ teeth = [], trochoid, centers }) {
+    const bodies = this.section.bodies, outlines = trochoid ? rotorOutlines(trochoid) : teeth.map(gearOutline);
+    centers.forEach((center, k) => { if (center && bodies[k]) bodies[k].center = center; });
+    outlines.forEach((outline, k) => {
+      const body = bodies[k];
+      if (!body) return;
+      if (trochoid && k) { body.outline = [body.outline[0], outline]; this.paths[k] = ring2path(body.outline); return; }
+      const a = trochoid ? 0 : body.phase ??= phaseOf(body.outline[0], teeth[k].z), [c, s] = [Math.cos(a), Math.sin(a)];
+      this.paths[k] = ring2path([outline.map(([x, y]) => [x * c - y * s, x * s + y * c]), ...body.outline.slice(1)]);
+    });
     this.draw();
   }
   measure() {
-    const points = this.section.housing.flat().concat(...Object.values(this.section.ports).map(r => r.flat()));
+    const side = this.section.side.flatMap(({ edges: [l, r, b, t] }) => [[l, b], [r, t]]), points = this.section.housing.flat(), ports = Object.values(this.section.ports).flatMap(r => r.flat()); points.push(...side, ...ports);
     const x = points.map(p => p[0]), y = points.map(p => p[1]);
     this.box = [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)];
     this.fit();
@@ -71,10 +88,10 @@ export class Machine {
   fit() {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !this.box) return;
-    const ratio = devicePixelRatio || 1, [l, b, r, t] = this.box, room = 18;
+    const ratio = devicePixelRatio || 1, [l, b, r, t] = this.box, room = 18, scale = this.section.side.length ? 54 : 0; // room for the scale of colours
     this.canvas.width = w * ratio; this.canvas.height = h * ratio;
-    this.k = Math.min((w - 2 * room) / (r - l), (h - 2 * room) / (t - b));
-    this.ox = w / 2 - this.k * (l + r) / 2; this.oy = h / 2 + this.k * (b + t) / 2; this.ratio = ratio;
+    this.k = Math.min((w - 2 * room - scale) / (r - l), (h - 2 * room) / (t - b));
+    this.ox = (w - scale) / 2 - this.k * (l + r) / 2; this.oy = h / 2 + this.k * (b + t) / 2; this.ratio = ratio;
     this.svg.setAttribute("viewBox", `0 0 ${w} ${h}`);
     this.placeHandles(); this.draw();
   }
@@ -97,9 +114,9 @@ export class Machine {
     fill(this.fixed.housing, wall, css("--soft"));
     const port = name => t && this.colour === "pressure" ? colourOf(t.ports[name][frame] / this.top) : name === "inlet" ? "rgba(0,114,178,.35)" : "rgba(213,94,0,.45)";
     fill(this.fixed.inlet, port("inlet")); fill(this.fixed.outlet, port("outlet"));
-    const values = t ? (this.colour === "gas" ? t.gas : t.pressure)?.[frame] : null;
+    const values = t?.[this.colour]?.[frame], scale = this.scale();
     (t ? t.paths[frame] : this.rest).forEach((path, k) => {
-      const colour = !values ? css("--sheet") : this.colour === "gas" ? colourOf(values[k] / 20, GAS) : colourOf(values[k] / this.top);
+      const colour = values ? colourOf(values[k] / scale.top, scale.stops) : css("--sheet");
       fill(path, colour, colour, .5 * thin);
     });
     s.bodies.forEach((body, k) => {
@@ -113,7 +130,13 @@ export class Machine {
     g.setLineDash([6 * thin, 4 * thin]);
     for (const path of this.recesses) fill(path, null, css("--accent"), 1.6 * thin);
     g.setLineDash([]);
+    this.paintSide(g, fill, thin);
     if (this.arrows && t?.forces) s.bodies.forEach(body => this.arrow(g, body, t.forces[body.name]?.[frame], thin));
+  }
+  // a cut along the axis, beside the section
+  paintSide(g, fill, thin) {
+    const { side } = this.section, colours = { wall: css("--wall"), metal: css("--metal"), gap: css("--sheet"), groove: css("--sheet") };
+    for (const { kind, edges: [l, r, b, t] } of side) { const path = new Path2D(); path.rect(l, b, r - l, t - b); fill(path, colours[kind], kind === "groove" ? css("--accent") : css("--soft"), thin); }
   }
   arrow(g, body, force, thin) {
     if (!force) return;
@@ -129,10 +152,14 @@ export class Machine {
   legend() {
     const box = by("scale"); box.replaceChildren();
     if (!this.turning) return;
-    const gas = this.colour === "gas", top = gas ? "20 %" : `${text(toShown(this.top, "bar"), 3)} ${unitShown("bar")}`, bar = document.createElement("div");
+    const { top, stops, unit } = this.scale(), bar = document.createElement("div");
+    if (!this.turning[this.colour]) { box.append("not known for this answer"); return; }
     bar.className = "bar";
-    bar.style.background = `linear-gradient(to top, ${[0, .2, .4, .6, .8, 1].map(x => colourOf(x, gas ? GAS : STOPS)).join(",")})`;
-    box.append(top, bar, gas ? "0 %" : `0 ${unitShown("bar")}`);
+    bar.style.background = `linear-gradient(to top, ${[0, .2, .4, .6, .8, 1].map(x => colourOf(x, stops)).join(",")})`;
+    box.append(`${text(toShown(top, unit), 3)} ${unitShown(unit)}`, bar, `0 ${unitShown(unit)}`);
+  }
+  scale() {
+    return { pressure: { top: this.top, stops: STOPS, unit: "bar" }, gas: { top: 20, stops: GAS, unit: "%" }, leakage: { top: this.leakTop, stops: LEAKS, unit: "L/min" } }[this.colour];
   }
   // handles
   placeHandles() {
@@ -158,7 +185,7 @@ export class Machine {
     group.setAttribute("aria-valuenow", value); group.setAttribute("aria-valuemin", handle.low); group.setAttribute("aria-valuemax", handle.high);
     group.setAttribute("aria-label", handle.label); group.setAttribute("aria-valuetext", `${text(toShown(value, handle.unit))} ${unitShown(handle.unit)}`);
     const label = group.querySelector("text");
-    label.textContent = `${handle.label}: ${text(toShown(value, handle.unit))} ${unitShown(handle.unit)}`;
+    label.textContent = `${handle.label}: ${text(toShown(value, handle.unit))} ${unitShown(handle.unit)}${handle.place.times > 1 ? `, drawn ${handle.place.times} times its size` : ""}`;
     label.setAttribute("x", right ? -12 : 12); label.setAttribute("text-anchor", right ? "end" : "start"); label.setAttribute("y", -9);
     const line = group.querySelector("line"), p = handle.place, across = p.kind === "line" && Math.abs(p.direction[0]) > Math.abs(p.direction[1]);
     const l = .22 * this.canvas.clientHeight;
@@ -205,6 +232,11 @@ export class Machine {
     const kept = Math.min(Math.max(value, handle.low), handle.high);
     return handle.whole ? Math.round(kept) : Number(kept.toPrecision(5));
   }
+}
+// angle of a tooth, from the middles of the tip lands
+function phaseOf(outline, count) {
+  const far = Math.max(...outline.map(p => Math.hypot(...p))), tips = outline.filter(p => Math.hypot(...p) > .9995 * far).map(([x, y]) => count * Math.atan2(y, x));
+  return Math.atan2(tips.reduce((sum, a) => sum + Math.sin(a), 0), tips.reduce((sum, a) => sum + Math.cos(a), 0)) / count;
 }
 function ring2path(rings) {
   const path = new Path2D();
