@@ -2,9 +2,10 @@
 
 ``python -m benchmarks.mutants`` puts every spoiled line of the list below into a copy of the
 package and runs the behaviour tests of its room there, without stored numbers. ``--random N`` draws
-further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``. Each
-run has a cache of its own, as compiled code follows the sources. The table says which test saw
-what; ``-o`` keeps it as JSON.
+further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``.
+``--wider`` asks verification and stored numbers where these see nothing. Each run has a cache of
+its own but for compiled code, whose files are named by what they are made of. The table says which
+test saw what; ``-o`` keeps it as JSON, and a command that was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -14,14 +15,17 @@ import ast
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+
+from toothspace.core.compilation.sources import compiled_folder
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 SOURCES = REPOSITORY / "src" / "toothspace"
@@ -32,6 +36,7 @@ ROOMS = {
     "circuit": ("tests/unit/circuit",),
     "films": ("tests/unit/films",),
     "floating": ("tests/unit/floating",),
+    "fmi": ("tests/unit/fmi",),
     "gearing": ("tests/unit/gearing", "tests/unit/geometry/test_geometry_gear_pair.py"),
     "geometry": ("tests/unit/geometry",),
     "machines": ("tests/unit/machines", "tests/unit/gearing"),
@@ -41,6 +46,8 @@ ROOMS = {
     "solver": ("tests/unit/solver", "tests/unit/run"),
 }
 """Behaviour tests of each package: they run in minutes and compare with no stored number."""
+WIDER = ("tests/verification", "tests/regression")
+"""What of the fast suite is asked where the room sees nothing; stored numbers last."""
 
 OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Lt: ">", ast.Gt: "<"}
 """What stands in place of an operator."""
@@ -134,7 +141,7 @@ MUTANTS = (
         "advice/gear_rules.py",
         "passed=least <= backlash <= most",
         "passed=backlash <= most",
-        ("tests/unit/advice/test_findings_of_a_drawing.py",),
+        ("tests/unit/advice/test_trapping.py",),
     ),
     Mutant(
         "case/conditions.py",
@@ -149,7 +156,7 @@ MUTANTS = (
 def random_mutants(count: int, seed: int, room: str | None) -> Iterator[Mutant]:
     """Draw spoiled operators and constants in formulas of the rooms."""
     draw = random.Random(seed)
-    rooms = [room] if room else list(ROOMS)
+    rooms, known = [room] if room else list(ROOMS), set[tuple[str, int]]()
     for _ in range(count):
         chosen = draw.choice(rooms)
         file = draw.choice(sorted((SOURCES / chosen).rglob("*.py")))
@@ -158,6 +165,9 @@ def random_mutants(count: int, seed: int, room: str | None) -> Iterator[Mutant]:
         if found:
             place, before, after = draw.choice(found)
             name = file.relative_to(SOURCES).as_posix()
+            if (name, place) in known:
+                continue
+            known.add((name, place))
             yield Mutant(name, before, after, ROOMS[chosen], place)
 
 
@@ -204,40 +214,76 @@ class Verdict:
     seconds: float
 
 
+def nearest_first(mutant: Mutant) -> list[str]:
+    """Test files of a spoiled line, those that name its module before the others."""
+    package, module = mutant.file.removesuffix(".py").replace("/", ".").rpartition(".")[::2]
+    named = re.compile(rf"{re.escape(package)}(\.| import .*\b){module}\b")
+    files = []
+    for test in mutant.tests:
+        path = REPOSITORY / test
+        files += sorted(path.rglob("test_*.py")) if path.is_dir() else [path]
+    files.sort(key=lambda file: named.search(file.read_text(encoding="utf-8")) is None)
+    return [file.relative_to(REPOSITORY).as_posix() for file in files]
+
+
 def judged(mutant: Mutant) -> Verdict:
-    """Run the tests of a spoiled line against a copy of the package."""
+    """Run the tests of a spoiled line against a copy of the package.
+
+    A test that fails is asked again with the line as it was: only what it then passes counts.
+    """
     started = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "toothspace"
+        cache = Path(folder) / "cache" / "toothspace"
+        cache.mkdir(parents=True)
+        compiled_folder().mkdir(parents=True, exist_ok=True)
+        (cache / "compiled").symlink_to(compiled_folder(), target_is_directory=True)
         shutil.copytree(SOURCES, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(REPOSITORY / "cases", copy / "shipped" / "cases")
         file = copy / mutant.file
-        file.write_text(mutant.spoiled(file.read_text(encoding="utf-8")), encoding="utf-8")
-        environment = {
-            **os.environ,
-            "PYTHONPATH": folder,
-            "TOOTHSPACE_CACHE": str(Path(folder) / "cache"),
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
-        try:
-            done = subprocess.run(
-                [*command, *mutant.tests],
-                cwd=REPOSITORY,
-                env=environment,
-                capture_output=True,
-                text=True,
-                timeout=LIMIT,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return Verdict(mutant, "timed out", "", time.perf_counter() - started)
-    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    outcome = "survived" if done.returncode == 0 else "killed"
-    if done.returncode not in {0, 1}:
-        # tests that cannot be read say nothing of the line
-        outcome = "not judged"
-    test = lines[0].split(" - ")[0] if lines else ""
+        whole = file.read_text(encoding="utf-8")
+        file.write_text(mutant.spoiled(whole), encoding="utf-8")
+        code, test = tested(nearest_first(mutant), copy.parent)
+        outcome = {0: "survived", 1: "killed", None: "timed out"}.get(code, "not judged")
+        if code == 1:
+            file.write_text(whole, encoding="utf-8")
+            # fails before the line is spoiled, or cannot be read: says nothing of the line
+            if not test or tested([test], copy.parent)[0] != 0:
+                outcome = "not judged"
     return Verdict(mutant, outcome, test, time.perf_counter() - started)
+
+
+def tested(tests: list[str], folder: Path) -> tuple[int | None, str]:
+    """Exit code of tests on the package in a folder, none if without end; the one that failed."""
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(folder),
+        "TOOTHSPACE_CACHE": str(folder / "cache"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+    try:
+        done = subprocess.run(
+            command,
+            cwd=REPOSITORY,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return None, ""
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return done.returncode, lines[0].split(" - ")[0].split(" ", 1)[1] if lines else ""
+
+
+def read(path: Path | None) -> list[Verdict]:
+    """Verdicts that were kept before."""
+    if path is None or not path.exists():
+        return []
+    kept = json.loads(path.read_text(encoding="utf-8"))
+    return [Verdict(**{**one, "mutant": Mutant(**one["mutant"])}) for one in kept]
 
 
 def main() -> int:
@@ -246,20 +292,25 @@ def main() -> int:
     parser.add_argument("--random", type=int, default=0, help="so many lines drawn, not the list")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--room", choices=sorted(ROOMS))
+    parser.add_argument("--wider", action="store_true", help="ask verification, stored numbers")
     parser.add_argument("-o", "--output", type=Path, help="verdicts as JSON")
     given = parser.parse_args()
-    chosen = list(random_mutants(given.random, given.seed, given.room)) or list(MUTANTS)
-    verdicts = []
-    for mutant in chosen:
+    drawn = list(random_mutants(given.random, given.seed, given.room))
+    chosen = drawn if given.random else list(MUTANTS)
+    verdicts = read(given.output)
+    for mutant in chosen[len(verdicts) :]:
         verdict = judged(mutant)
+        if given.wider and verdict.outcome == "survived":
+            verdict = judged(replace(mutant, tests=WIDER))
         verdicts.append(verdict)
+        if given.output:
+            text = json.dumps([asdict(v) for v in verdicts], indent=1) + "\n"
+            given.output.write_text(text, "utf-8")
         change = f"{mutant.before.strip()} -> {mutant.after.strip()}"
         line = f"{verdict.outcome:9}  {verdict.seconds:5.0f} s  {mutant.file}: {change}"
         print(f"{line}  {verdict.test}", flush=True)
     survived = sum(verdict.outcome in {"survived", "not judged"} for verdict in verdicts)
     print(f"{len(verdicts) - survived} of {len(verdicts)} spoiled lines were noticed")
-    if given.output:
-        given.output.write_text(json.dumps([asdict(v) for v in verdicts], indent=1) + "\n", "utf-8")
     return int(survived > 0 and not given.random)
 
 

@@ -4,7 +4,8 @@
 a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder: nothing
 half-written under a final name, no draft of a finished command, every result, case and unit
 readable, no process left, and ``study --resume`` completes with the numbers of a study that was not
-ended.
+ended. ``cluster`` is the study on the workers of a Dask scheduler, which outlive it, and ``page``
+the server of ``toothspace app`` while a run is under way, which a later server calls stopped.
 A signal to Python before it has read the first file of the package is Python's to answer.
 Then limits on the size of files, full disks and temporary folders, folders that cannot be
 written, damaged caches, caches from the future, two processes on one cache, and too little
@@ -14,8 +15,10 @@ memory. The exit code is the number of faults that did harm.
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import random
+import re
 import resource
 import shlex
 import shutil
@@ -28,10 +31,13 @@ import tomllib
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from http.client import HTTPConnection
 from pathlib import Path
 
 import psutil
 
+from toothspace.app.queue import RunQueue
+from toothspace.app.workspace import Workspace
 from toothspace.core.compilation.sources import cache_root
 from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import read_dataset
@@ -46,15 +52,23 @@ _PROFILE = CASES / "profiles" / "egm12_drive.txt"
 _COARSE = ["--set", "run.samples_per_revolution=36"]
 _LONGEST = 20.0
 """Commands that take longer are ended within that time. [s]"""
+_PAGE_TIME = 3.0
+"""Time within which the server of the page is ended, once a run was asked for. [s]"""
 _GRACE = 30.0
 """Time that a command gets to end after a signal. [s]"""
 
 
+_SCHEDULER: list[str] = []
+"""Address of the Dask scheduler of this campaign, once there is one."""
+
+
 def commands(folder: Path) -> dict[str, list[str]]:
     """Arguments of the commands, by name; all write into a folder."""
+    study = ["study", str(CASES / "sweep_clearance.toml"), "-o", f"{folder}/study"]
     return {
         "run": ["run", str(CASES / "startup_blocked.toml"), "-o", f"{folder}/run.nc", *_STARTUP],
-        "study": ["study", str(CASES / "sweep_clearance.toml"), "-o", f"{folder}/study", *_SWEEP],
+        "study": [*study, *_SWEEP],
+        "cluster": [*study, *_SWEEP[:2], "--scheduler", *_SCHEDULER],
         "report": ["report", f"{folder}/whole.nc", "-o", f"{folder}/report.html", "--force"],
         "compare": ["compare", *2 * [f"{folder}/whole.nc"], "-o", f"{folder}/compare.html"],
         "geometry": ["geometry", _MOTOR, "-o", f"{folder}/tables.nc", "--txt", f"{folder}/txt"],
@@ -115,6 +129,75 @@ def harm(folder: Path, *, killed: bool) -> Iterator[str]:
             yield f"{path.name}: half-written"
 
 
+STUDIES = ("study", "cluster")
+
+
+def on_cluster(whole: Path, longest: float, draw: random.Random, count: int) -> Iterator[str]:
+    """End studies whose points are computed by workers of a Dask scheduler."""
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        _SCHEDULER[:] = [cluster.scheduler_address]
+        started = time.perf_counter()
+        code, messages = finish(start([*commands(whole.parent / "first")["cluster"]]))
+        if code != 0:
+            yield f"cluster, left alone: code {code}: {messages[-300:]}"
+        longest = time.perf_counter() - started
+        for _ in range(count):
+            yield from end_at_random("cluster", whole, longest, draw)
+        if len(cluster.scheduler.workers) != 2:
+            yield f"cluster: {len(cluster.scheduler.workers)} of 2 workers are left"
+
+
+def end_page(draw: random.Random) -> list[str]:
+    """End the server of the page at a random moment of a run; what harm that did."""
+    end, found = draw.choice(ENDS), []
+    with tempfile.TemporaryDirectory() as place:
+        folder, passing = Path(place) / "bench", Path(place) / "passing"
+        for made in (folder, passing):
+            made.mkdir()
+        process = start(
+            ["app", str(folder), "--no-browser"], lambda: os.environ.update(TMPDIR=str(passing))
+        )
+        address = process.stderr.readline().split()[1]
+        port, token = re.findall(r":(\d+)/\?token=(.+)", address)[0]
+        asked = HTTPConnection("127.0.0.1", int(port), timeout=_GRACE)
+        asked.request("GET", f"/?token={token}")
+        answer = asked.getresponse()
+        answer.read()
+        headers = {
+            "Cookie": str(answer.headers["set-cookie"]).partition(";")[0],
+            "Origin": f"http://127.0.0.1:{port}",
+        }
+
+        def post(path: str, **given: object) -> dict[str, object]:
+            asked.request("POST", path, json.dumps(given), headers)
+            return dict(json.loads(asked.getresponse().read()))
+
+        design = post("/api/designs", case="gerotor_trochoidal")["id"]
+        run = post("/api/runs", design=design, values={"run.until": None, "run.revolutions": 2})
+        asked.close()
+        time.sleep(draw.uniform(0.0, _PAGE_TIME))
+        family = process.children(recursive=True)
+        process.send_signal(end)
+        code, messages = finish(process, 4 * _GRACE)
+        _, left = psutil.wait_procs(family, timeout=_GRACE)
+        found += [f"process {one.pid} is left" for one in left]
+        for one in left:
+            one.kill()
+        if end != signal.SIGKILL:
+            found += [f"{path.name} is left" for path in passing.iterdir()]
+            if "Traceback" in messages or code in (1, 70, -11):
+                found.append(f"code {code}: {messages[-300:]}")
+        found += harm(folder, killed=end == signal.SIGKILL)
+        workspace = Workspace(folder)
+        RunQueue(workspace, lambda _: None).close()
+        states = {one["id"]: one["state"] for one in workspace.runs()}
+        if states.get(run["id"]) not in {"stopped", "done"}:
+            found.append(f"the run is {states.get(run['id'])}")
+    return [f"page, {end.name}: {text}" for text in found]
+
+
 def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -> list[str]:
     """End one command at a random moment; what harm that did."""
     end = draw.choice(ENDS)
@@ -134,8 +217,8 @@ def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -
         if begun and end != signal.SIGKILL and ("Traceback" in messages or code in (1, 70, -11)):
             found.append(f"code {code}: {messages[-300:]}")
         found += harm(folder, killed=end == signal.SIGKILL)
-        if name == "study" and (folder / "study").is_dir():
-            code, messages = finish(start([*commands(folder)["study"], "--resume"]))
+        if name in STUDIES and (folder / "study").is_dir():
+            code, messages = finish(start([*commands(folder)[name], "--resume"]))
             found += [] if code == 0 else [f"resume ends with {code}: {messages[-300:]}"]
             both = [place / "study" / "study.nc" for place in (folder, whole.parent)]
             if code == 0 and not read_dataset(both[0]).equals(read_dataset(both[1])):
@@ -252,7 +335,7 @@ def main() -> int:
         code, messages = finish(start(commands(folder)["run"]))
         assert code == 0, messages
         longest = time.perf_counter() - started
-        if "study" in given.only:
+        if {*STUDIES} & {*given.only}:
             code, messages = finish(start(commands(folder)["study"]))
             assert code == 0, messages
         for kind in given.only:
@@ -289,7 +372,11 @@ def hunger(whole: Path, _longest: float, draw: random.Random, _count: int) -> It
 
 
 KINDS: Mapping[str, Callable[[Path, float, random.Random, int], Iterator[str]]] = {
-    **{name: partial(ends, name) for name in commands(Path())},
+    **{name: partial(ends, name) for name in commands(Path()) if name != "cluster"},
+    "cluster": on_cluster,
+    "page": lambda _whole, _longest, draw, count: (
+        text for _ in range(count) for text in end_page(draw)
+    ),
     "hunger": hunger,
     "disks": lambda whole, _longest, _draw, _count: on_small_disks(whole),
     "caches": lambda whole, _longest, draw, _count: with_cache(whole, draw),

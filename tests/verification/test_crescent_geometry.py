@@ -183,6 +183,16 @@ def test_backlash_is_that_of_the_centre_distance() -> None:
     assert again.normal_backlash == pytest.approx(100e-6, rel=1e-9)
 
 
+def test_tips_inside_the_base_circle_are_refused_with_its_diameter() -> None:
+    ring = involute_pair(crescent()).ring
+    base = 2e3 * ring.space.base_radius
+    with pytest.raises(GeometryError) as refused:
+        replace(ring, tip_radius=0.9 * ring.space.base_radius)
+    (problem,) = refused.value.problems
+    assert problem.found == f"{0.9 * base:.5g} mm"
+    assert float(problem.allowed.split()[5]) == pytest.approx(base, rel=1e-3)
+
+
 def test_fouling_tips_and_trimming_are_seen() -> None:
     """With one tooth less between pinion and ring tips foul; the polygons say so as well."""
     good = machine()

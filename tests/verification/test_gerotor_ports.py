@@ -17,6 +17,7 @@ from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import Pockets, pockets
 from toothspace.machines.gerotor.ports import Ports, openings, ports_of, timing_of
 from toothspace.machines.gerotor.profiles import rotors_from
+from toothspace.machines.gerotor.summary import _timing_checks
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 RIM = 26e-3
@@ -39,6 +40,12 @@ def test_narrow_lands_short_circuit_the_ports():
     """Lands of 20 and 18 degrees join the ports at the largest pocket, those of 35 do not."""
     assert timing_of(_ports(20.0, 18.0), _pocket()).joined_area > 1e-6
     assert timing_of(_ports(35.0, 18.0), _pocket()).joined_area == 0.0
+    # the design rule shows it in square millimetres
+    for land, passed in ((20.0, False), (35.0, True)):
+        timing = timing_of(_ports(land, 18.0), _pocket())
+        check, *_ = _timing_checks(_pocket(), timing)
+        assert check.value == pytest.approx(1e6 * timing.joined_area)
+        assert bool(check.passed) is passed
 
 
 def test_wide_lands_trap_volume():

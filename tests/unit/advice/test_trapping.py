@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from tests.external_gear_designs import egm12
+from toothspace.advice.gear_rules import backlash_check
 from toothspace.advice.trapping import Trapping, trapping_checks
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.machines.external_gear import MACHINE
@@ -124,3 +125,11 @@ def test_nothing_is_said_without_condition_or_grooves():
     assert len(judged(spec)) == 2
     assert judged(egm12()) == []
     assert judged(replace(spec, grooves=None)) == []
+
+
+@pytest.mark.parametrize(
+    ("backlash", "passed"), [(0.104, False), (0.109, True), (0.27, True), (0.28, False)]
+)
+def test_backlash_has_a_least_and_a_largest_value(backlash, passed):
+    """Module 2.75 mm at 34.5 mm: 2/3 (0.06 + 0.01725 + 0.0825) = 0.1065 mm to a tenth module."""
+    assert bool(backlash_check(backlash * 1e-3, 2.75e-3, 34.5e-3).passed) is passed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -36,6 +38,22 @@ def test_internal_pereira_against_johnson(difference: float) -> None:
     ratio = pereira_force(depth, difference, 1.0, STEEL, True) / johnson
     assert ratio.min() > 0.78
     assert ratio.max() < 1.2
+
+
+@pytest.mark.parametrize(
+    ("millimetres", "exponent"),
+    [(0.7, 1.51 * math.log(700.0) ** -0.151), (0.8, 0.0151 * 0.8 + 1.151), (5.0, 1.2265)],
+)
+def test_the_internal_law_stiffens_with_the_exponent_of_its_range(
+    millimetres: float, exponent: float
+) -> None:
+    """The logarithm of the force rises by n = Y dR^-0.005 with that of the indentation."""
+    forces = [
+        float(pereira_force(depth, millimetres * 1e-3, 20e-3, 1.15e11, internal=True))
+        for depth in (2e-6, 8e-6)
+    ]
+    found = math.log(forces[1] / forces[0]) / math.log(4.0)
+    assert found == pytest.approx(exponent * millimetres**-0.005, rel=1e-9)
 
 
 def test_pereira_does_not_depend_on_units() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -112,3 +114,14 @@ def test_the_near_field_of_a_force_is_the_radiation_of_long_waves() -> None:
     power = AIR_DENSITY * omega / (8.0 * np.pi**2) * (force / (omega * MASS)) ** 2
     expected = power * 2.0 * np.pi * waves
     assert plate_near_field_power(0.5 * force**2, MASS) == pytest.approx(expected, rel=1e-9)
+
+
+def test_edges_of_a_plate_radiate_below_the_critical_frequency() -> None:
+    """At 3/4 of it corners are mute, and 0.4844 of the edges' strip is heard."""
+    length, width, critical = 1.2, 0.8, 2000.0
+    root = math.sqrt(0.75)
+    part = (0.25 * math.log((1.0 + root) / (1.0 - root)) + 2.0 * root) / (0.5 * math.pi**2)
+    assert part == pytest.approx(0.4844, abs=1e-4)
+    strip = 2.0 * (length + width) / (length * width) * SOUND_SPEED / critical
+    found = plate_radiation_efficiency(np.array([1500.0]), critical, length, width)
+    assert float(found[0]) == pytest.approx(strip * part, rel=1e-9)

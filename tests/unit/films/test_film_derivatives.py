@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing, RoughSurfaces
+from toothspace.films.reynolds.active_set import (
+    DeformedGap,
+    GapMotion,
+    flow_change,
+    linearised_balance,
+)
 from toothspace.films.reynolds.equation import (
     FilmGrid,
     FluidField,
     GapField,
     film_balance,
+    ring_grid,
     vary_storage,
 )
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, flow_law
@@ -65,6 +73,48 @@ def test_storage_varies_as_the_balance_says(law: FlowLaw) -> None:
     found = np.empty_like(centre)
     vary_storage(grid(), gaps(centre, rate), fluid, law, change, found)
     np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize("law", [SMOOTH, flow_law(ROUGH, 1.0)], ids=["smooth", "rough"])
+def test_flows_of_a_ring_vary_as_the_balance_says(law: FlowLaw) -> None:
+    """Central differences of the net flow out of every cell, at pressures that stay."""
+    random = np.random.default_rng(11)
+    rows, lanes = 5, 2
+    sweep = np.array([2e-3, -1e-3])
+    ring = ring_grid(
+        rows, np.array([0.8, 1.1]), np.array([1.0, 0.7, 0.9]), sweep, np.ones(2) * 1e-6
+    )
+    cell, x, y = (rows, lanes), (rows + 1, lanes), (rows, lanes + 1)
+    potential = random.uniform(1e4, 1e6, cell)
+    fluid = FluidField(np.full(cell, 30.0), np.full(cell, 0.97))
+    nothing = np.zeros(cell)
+
+    def field(low: float, high: float, rate: float) -> GapField:
+        centre, along, across = (random.uniform(low, high, shape) for shape in (cell, x, y))
+        along[-1] = along[0]
+        return GapField(centre, along, across, random.uniform(0.5, 1.0, cell) * rate, nothing)
+
+    gap, lift = field(0.6e-6, 1.2e-6, -1e-3), field(0.5, 1.0, 500.0)
+
+    def linear(step: float) -> Any:
+        moved = GapField(*(a + step * b for a, b in zip(gap, lift, strict=True)))
+        open_gap = DeformedGap(moved, nothing, np.zeros((2, rows)))
+        return linearised_balance(ring, open_gap, fluid, 0.0, law)
+
+    def out_of_cells(step: float) -> np.ndarray:
+        b = linear(step).balance
+        before = np.roll(potential, 1, axis=0)
+        entering = b.conductance_x[:-1] * (before - potential) + b.advection_x[:-1]
+        wide = np.hstack([b.south[:, None], potential, b.north[:, None]])
+        passing = b.conductance_y * (wide[:, :-1] - wide[:, 1:])
+        across = passing[:, 1:] - passing[:, :-1]
+        return b.storage + np.roll(entering, -1, axis=0) - entering + across
+
+    step, found = 1e-10, np.empty(cell)
+    motion = GapMotion(lift, np.ones(cell))
+    flow_change(linear(0.0), ring.sweep_x, motion, potential, np.ones(cell), lift.centre, found)
+    expected = (out_of_cells(step) - out_of_cells(-step)) / (2.0 * step)
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-6 * np.abs(expected).max())
 
 
 def test_oil_that_a_supply_presses_through_a_bearing_at_rest_warms_it() -> None:

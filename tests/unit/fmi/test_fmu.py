@@ -8,6 +8,7 @@ import re
 import subprocess
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -16,12 +17,13 @@ import numpy as np
 import pytest
 
 import toothspace as ts
+from tests.fake_solution import fake_solution
 from tests.study_cases import REPOSITORY, case_with_study
 from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.types import Array
 from toothspace.fmi import archive, export
-from toothspace.fmi.operating_tables import PULSATING, tables_of
+from toothspace.fmi.operating_tables import PULSATING, ShaftSamples, tables_of
 from toothspace.studies.study import Record
 
 PUMP, MOTOR = (REPOSITORY / "cases" / f"egm12_{mode}.toml" for mode in ("pump", "motor"))
@@ -429,6 +431,18 @@ def test_a_case_without_an_operating_point_is_refused(tmp_path: Path) -> None:
         ts.export_fmu("startup_fan_drive", tmp_path / "unit.fmu")
 
 
+def test_ripple_is_that_of_the_run_at_its_angles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A known wave over a revolution that begins anywhere, at the angles of the shaft from zero."""
+    whole = fake_solution(360)
+    angle = whole.data["shaft_angle"] + 1.3
+    wave = 1e-4 + 3e-6 * np.sin(5.0 * angle + 0.4)
+    data = whole.data.assign(outlet_flow_rate=wave).assign_coords(shaft_angle=angle)
+    monkeypatch.setattr(ts.api, "simulate", lambda _: replace(whole, data=data))
+    ripple = np.array(ShaftSamples()(load_case(PUMP))["outlet_flow_rate_ripple"])
+    at = np.arange(360) * (2.0 * np.pi / 360)
+    np.testing.assert_allclose(ripple, 3e-6 * np.sin(5.0 * at + 0.4), atol=1e-8)
+
+
 def test_teeth_that_differ_are_tabulated_one_by_one() -> None:
     angle = np.arange(STEPS) * (2.0 * np.pi / STEPS)
     even, numbers = np.sin(12.0 * angle), machine(1.0, 1.0, 1.0) | {"displacement": DISPLACEMENT}
@@ -436,6 +450,10 @@ def test_teeth_that_differ_are_tabulated_one_by_one() -> None:
     def period(ripple: Array) -> tuple[float, float]:
         found = numbers | {f"{name}_ripple": ripple.tolist() for name in PULSATING}
         tables = tables_of([Record("", "done", found)] * 4, [1.0, 2.0], [1.0, 2.0], 12)
+        count = STEPS // (12 if float(tables["period"]) < 1.0 else 1)
+        assert tables.sizes["shaft_angle"] == count
+        wave = tables[f"{PULSATING[0]}_ripple"].values[0, 0]
+        np.testing.assert_allclose(wave, even[:count] if count < STEPS else ripple, atol=1e-12)
         return float(tables["period"]), float(tables["ripple_left_out"])
 
     assert period(even) == pytest.approx((math.pi / 6.0, 0.0), abs=1e-12)

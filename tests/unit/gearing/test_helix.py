@@ -220,3 +220,18 @@ def test_a_tooth_space_that_joins_both_ports_is_named() -> None:
     for width, passes in (("23.7 mm", True), ("250 mm", False)):
         checks = machine(**{"machine.gears.face_width": width}).checks
         assert {c.name: c.passed for c in checks if c.name in rules} == dict.fromkeys(rules, passes)
+
+
+@pytest.mark.parametrize(("wanted", "passed"), [(1.04, True), (0.96, False)])
+def test_one_whole_tooth_seals_along_the_helix(wanted: float, passed: bool) -> None:
+    """Each tooth asks for a pitch of the bore beside what the helix turns over the width."""
+    case = ts.load_case(HELICAL)
+    casing, gears = case.machine.casing, case.machine.gears
+    pitch = 2.0 * math.pi / gears.tooth_count
+    reference = 0.5 * gears.tooth_count * gears.module / math.cos(gears.helix_angle)
+    twist = gears.face_width * math.tan(gears.helix_angle) / reference
+    inlet = 2.0 * math.pi - casing.outlet_angle - twist - wanted * pitch
+    described = machine(machine__casing__inlet_angle=f"{math.degrees(inlet):.6f} deg")
+    [check] = [x for x in described.checks if x.name.endswith("helix, drive gear")]
+    assert check.value == pytest.approx(wanted, abs=1e-3)
+    assert bool(check.passed) is passed

@@ -305,3 +305,14 @@ def test_strength_of_the_motor_at_260_bar() -> None:
     # six times 86 N/mm over some 5.5 mm of height and thickness
     assert 60.0 < checks["root stress"].value < 160.0
     assert all(check.passed for check in checks.values())
+
+
+def test_faces_of_two_heights_leak_with_their_cubes_and_shear_with_their_inverses():
+    """10 and 40 um: (10^3 + 40^3) / 2 of the cube, 2 / (1/10 + 1/40) = 16 um of the height."""
+    lateral = egm12("pump").keys.lateral
+    fixed, floating = lateral.each
+    films = replace(lateral, side_gap=None, **{fixed: 10e-6, floating: 40e-6})
+    assert films.leakage_height == pytest.approx(32500.0 ** (1 / 3) * 1e-6)
+    assert films.shear_height == pytest.approx(16e-6)
+    alike = replace(lateral, side_gap=12e-6)
+    assert alike.leakage_height == pytest.approx(alike.shear_height) == pytest.approx(12e-6)

@@ -69,7 +69,8 @@ def test_the_submodel_has_what_its_template_asks_for(tmp_path: Path) -> None:
 
 def test_a_pump_has_names_of_opc_40223(tmp_path: Path) -> None:
     """Browse names and numeric identifiers as the foundation publishes them; values in SI units."""
-    submodel = written(tmp_path, pump())["submodels"][0]
+    solution = pump()
+    submodel = written(tmp_path, solution)["submodels"][0]
     area = elements(submodel)["TechnicalPropertyAreas"]["value"][0]
     found = elements(elements(area)["OpcUaPump"])
     published = {
@@ -93,6 +94,9 @@ def test_a_pump_has_names_of_opc_40223(tmp_path: Path) -> None:
     )
     geometric = value["GeometricDisplacementVolume"] * value["Speed"]
     assert value["GeometricalFlow"] == pytest.approx(geometric)
+    summary = solution.summary()
+    bars = summary["outlet_pressure_bar"] - summary["inlet_pressure_bar"]
+    assert value["DifferentialPressure"] == pytest.approx(1e5 * bars)
     # they are names of pumps
     assert pump_quantities(fake_solution(36)) == {}
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
 from tests.tank_circuit import pump_between_tanks
 from toothspace import api
-from toothspace.solver.flow_regime import gap_reynolds_number, taylor_number
+from toothspace.closures.line_friction import CRITICAL_REYNOLDS
+from toothspace.solver.flow_regime import _lines, gap_reynolds_number, taylor_number
 
 
 def test_numbers_by_hand() -> None:
@@ -16,6 +20,26 @@ def test_numbers_by_hand() -> None:
     assert float(found) == pytest.approx(1000.0)
     expected = 780.0 * 7.5 * 1e-4 / 1e-3 * (1.0 / 90.0) ** 0.5
     assert taylor_number(780.0, -7.5, 1e-4, 9e-3, 1e-3) == pytest.approx(expected)
+
+
+def test_every_line_is_read_at_its_own_flow() -> None:
+    """Lines have as many states as their cells ask for; their flow stands first among them."""
+
+    def element(states: int, name: str) -> Any:
+        law = SimpleNamespace(critical_flow=0.5)
+        return SimpleNamespace(states=states, law=law, node_a=f"{name}:1", node_b="outlet")
+
+    elements = [element(0, "orifice"), element(5, "long"), element(0, "valve"), element(1, "short")]
+    circuit = SimpleNamespace(
+        nodes=[SimpleNamespace(name="long:1"), SimpleNamespace(name="short:1")], elements=elements
+    )
+    system = SimpleNamespace(
+        condition=SimpleNamespace(circuit=circuit),
+        arrays=SimpleNamespace(size=SimpleNamespace(column=2)),
+    )
+    states = np.array([[9.0, 9.0, -1.0, 9.0, 9.0, 9.0, 9.0, 2.0]])
+    found = dict(_lines(cast(Any, system), states))
+    assert found == {"long": 2.0 * CRITICAL_REYNOLDS, "short": 4.0 * CRITICAL_REYNOLDS}
 
 
 @pytest.mark.slow
