@@ -18,6 +18,7 @@ import resource
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -194,7 +195,8 @@ def main() -> None:
     parser.add_argument("--store", action="store_true", help="write the tables into the page")
     arguments = parser.parse_args()
     chosen = [arguments.part] if arguments.part else list(PARTS)
-    text = f"Python {platform.python_version()}, NumPy {np.__version__}, one thread.\n\n"
+    state = f"{date.today():%d %B %Y}, Python {platform.python_version()}, NumPy {np.__version__}"
+    text = f"{state}, one thread.\n\n"
     for part in chosen:
         table = "\n".join(PARTS[part]())
         print(table, end="\n\n", flush=True)

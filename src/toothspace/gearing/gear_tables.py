@@ -154,6 +154,17 @@ class ReliefGrooveParameters(KeyTable):
     opening_side_angle: float = quantity(
         "deg", "The same of the opening edge.", low=-60, high=60, default=0.0
     )
+    closing_side_bow: float = quantity(
+        "mm",
+        "How much farther off the ends of the closing edge are than where it passes the height of "
+        "the pitch point; between these it is straight.",
+        low=-20,
+        high=20,
+        default=0.0,
+    )
+    opening_side_bow: float = quantity(
+        "mm", "The same of the opening edge.", low=-20, high=20, default=0.0
+    )
     width: float = quantity("mm", "Extent along x.", above=0, high=200, default=10e-3)
     radial_extent: float = quantity(
         "mm", "Extent along y, centred on the pitch point.", above=0, high=200, default=10e-3
@@ -174,13 +185,20 @@ class ReliefGrooveParameters(KeyTable):
         if self.contour is None:
             reason = "unless a contour file is given"
             require(self, reason, "closing_side_offset", "opening_side_offset")
-        for name in ("closing_side_angle", "opening_side_angle"):
-            angle = getattr(self, name)
-            steepest = math.degrees(math.atan2(self.width, 0.5 * self.radial_extent))
-            if abs(math.degrees(angle)) >= steepest:
+        for side in ("closing_side", "opening_side"):
+            angle, bow = getattr(self, f"{side}_angle"), getattr(self, f"{side}_bow")
+            lean = 0.5 * self.radial_extent * abs(math.tan(angle))
+            if lean + bow < self.width:
+                continue
+            name = f"{side}_angle" if bow == 0.0 else f"{side}_bow"
+            if bow == 0.0:
+                steepest = math.degrees(math.atan2(self.width, 0.5 * self.radial_extent))
                 found = f"{math.degrees(angle):.6g} deg, with which the edge leaves the groove"
                 allowed = f"less than {steepest:.3g} deg either way with this width and extent"
-                raise CaseError(name, found, allowed)
+            else:
+                found = f"{1e3 * bow:.6g} mm, with which the edge leaves the groove"
+                allowed = f"less than {1e3 * (self.width - lean):.3g} mm with this width and angle"
+            raise CaseError(name, found, allowed)
 
     def grooves(self, table: str = "", unit: str = "mm") -> ReliefGrooves:
         """Return the grooves, their contours read from the file; messages name the table above.
@@ -212,6 +230,8 @@ class ReliefGrooveParameters(KeyTable):
             opening_side_offset=_offset(self.opening_side_offset, sides[1], -1.0),
             closing_side_angle=self.closing_side_angle,
             opening_side_angle=self.opening_side_angle,
+            closing_side_bow=self.closing_side_bow,
+            opening_side_bow=self.opening_side_bow,
             width=self.width,
             radial_extent=self.radial_extent,
             depth=depth,
@@ -231,6 +251,9 @@ class ReliefGrooves:
     closing_side_angle: float = 0.0
     opening_side_angle: float = 0.0
     """Of the groove edge to the centre line, positive if it is farther off along +y. [rad]"""
+    closing_side_bow: float = 0.0
+    opening_side_bow: float = 0.0
+    """How much farther off both ends of the groove edge are than its middle. [m]"""
     width: float = 10e-3
     """Extent along x beyond the edge. [m]"""
     radial_extent: float = 10e-3
@@ -249,12 +272,15 @@ class ReliefGrooves:
             ("inlet", -1.0, self.opening_side_offset, self.opening_side_angle),
         )
         contours = {"outlet": self.closing_contour, "inlet": self.opening_contour}
+        bows = {"outlet": self.closing_side_bow, "inlet": self.opening_side_bow}
         found = {}
         for port, sign, offset, angle in sides:
             lean = sign * 0.5 * self.radial_extent * math.tan(angle)
             near, far, contour = sign * offset, sign * (offset + self.width), contours[port]
-            box = np.array([[near - lean, low], [far, low], [far, high], [near + lean, high]])
-            found[port] = box if contour is None else contour
+            ends = near + sign * bows[port]
+            middle = [[near, pitch_point]] if bows[port] else []
+            box = [[ends - lean, low], [far, low], [far, high], [ends + lean, high], *middle]
+            found[port] = np.array(box) if contour is None else contour
         return found
 
 

@@ -37,10 +37,31 @@ def test_an_edge_leans_about_the_height_of_the_pitch_point() -> None:
         assert areas[1] == pytest.approx(areas[0], rel=1e-12)
 
 
+def test_an_edge_bows_through_three_points() -> None:
+    """Ends and middle are where the keys say; the bow takes a triangle from the groove."""
+    keys = {"closing_side_offset": 3.6e-3, "opening_side_offset": 3.2e-3, "radial_extent": 8e-3}
+    leaning = ReliefGrooves(**keys, **ANGLES)
+    bowed = ReliefGrooves(**keys, **ANGLES, closing_side_bow=0.4e-3, opening_side_bow=-0.3e-3)
+    for port, sign, offset, angle, bow in (
+        ("outlet", 1.0, 3.6e-3, ANGLES["closing_side_angle"], 0.4e-3),
+        ("inlet", -1.0, 3.2e-3, ANGLES["opening_side_angle"], -0.3e-3),
+    ):
+        found = bowed.outlines(PITCH_POINT)[port]
+        for y, beyond in ((-4e-3, bow), (0.0, 0.0), (4e-3, bow)):
+            line = shapely.LineString([(0.0, PITCH_POINT + y), (sign * 8e-3, PITCH_POINT + y)])
+            edge = line.intersection(shapely.Polygon(found).buffer(1e-9))
+            near = edge.bounds[0] if sign > 0.0 else edge.bounds[2]
+            # an angle counts from drive to driven gear on both sides
+            assert abs(near) == pytest.approx(offset + beyond + y * np.tan(angle), abs=2e-8)
+        areas = [shapely.Polygon(g.outlines(PITCH_POINT)[port]).area for g in (leaning, bowed)]
+        assert areas[0] - areas[1] == pytest.approx(0.5 * bow * 8e-3, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_keys_and_a_file_of_the_same_outline_give_the_same_openings(tmp_path: Path) -> None:
     case = api.load_case("egm12_pump")
-    leaning = case.replace({f"{KEYS}.{name}": f"{np.rad2deg(x)} deg" for name, x in ANGLES.items()})
+    keys = {f"{KEYS}.{name}": f"{np.rad2deg(x)} deg" for name, x in ANGLES.items()}
+    leaning = case.replace({**keys, f"{KEYS}.closing_side_bow": "0.3 mm"})
     grooves = leaning.machine.relief_grooves.grooves()
     pitch_point = 0.5 * api.describe(leaning).geometry_summary["center_distance_mm"] * 1e-3
     file = tmp_path / "grooves.txt"
@@ -72,6 +93,9 @@ def test_an_edge_stays_within_its_groove() -> None:
     assert inside.machine.relief_grooves.closing_side_angle > 0.0
     with pytest.raises(CaseError, match=said.split(":")[0]):
         case.replace({f"{KEYS}.closing_side_angle": f"{1.01 * steepest} deg"})
+    said = r"opening_side_bow: found 2\.5 mm, with which the edge leaves the groove, allowed less"
+    with pytest.raises(CaseError, match=said):
+        case.replace({f"{KEYS}.opening_side_bow": "2.5 mm"})
 
 
 def test_a_recess_round_all_spaces_opens_each_whole() -> None:

@@ -208,6 +208,19 @@ def test_a_robust_search_keeps_away_from_the_edge(calls: list[Case]) -> None:
         run_study(other)
 
 
+def test_a_robust_surrogate_keeps_away_from_the_edge_too(calls: list[Case]) -> None:
+    """The same with processes of what 9 in 10 machines reach, in a third of the runs."""
+    pytest.importorskip("sklearn")
+    text = 'objective = "mean_flow_L_per_min"\nmethod = "surrogate"\nevaluation_count = 12\n'
+    text += "constraints = {volumetric_efficiency = {low = 0.96}}\nscatter_count = 11\n"
+    text += f'scatter = {{"{CLEARANCE}" = {{tolerance = "3 um"}}}}'
+    study = "\n".join(line for line in optimise(text).splitlines() if SPEED not in line)
+    result = run_study(case_with_study(study))
+    best = float(result.numbers["best"][CLEARANCE].removesuffix(" um"))
+    assert best == pytest.approx(20.0 - 1.28, abs=0.6)
+    assert len(calls) == 11 * 12
+
+
 def test_a_search_replays_its_finished_points(calls: list[Case], tmp_path: Path) -> None:
     text = 'objective = "volumetric_efficiency"\nevaluation_count = 40'
     first = run_study(case_with_study(optimise(text)), tmp_path)
