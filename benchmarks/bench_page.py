@@ -17,7 +17,6 @@ import tempfile
 import threading
 import time
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -27,15 +26,33 @@ from playwright.sync_api import sync_playwright
 from toothspace.app.server import BenchServer
 
 TARGET = Path(__file__).parent / "results" / "bench_page.json"
+GROOVE = "machine.relief_grooves.closing_side_offset"
+GAP = "machine.rotors.tip_clearance"
 MACHINES = {
-    "egm12_pump": "machine.relief_grooves.closing_side_offset",
-    "fuel14_pump": "machine.relief_grooves.closing_side_offset",
-    "gerotor_trochoidal": "machine.rotors.tip_clearance",
-    "crescent_pump": "machine.relief_grooves.closing_side_offset",
+    "egm12_pump": (GROOVE, "machine.gears.profile_shift"),
+    "egm12_motor": (GROOVE, "machine.gears.normal_backlash"),
+    "fuel14_pump": (GROOVE, "machine.gears.face_width"),
+    "continuous_pump": (GROOVE, GROOVE),
+    "crescent_pump": (GROOVE, "machine.pinion.face_width"),
+    "crescent_motor": (GROOVE, "machine.pinion.normal_backlash"),
+    "gerotor_trochoidal": (GAP, "machine.rotors.lobe_radius"),
+    "gerotor_cycloidal": (GAP, "machine.rotors.eccentricity"),
 }
-"""Shipped machines and the dimension that is changed."""
+"""Shipped machines, the dimension that is changed, and the handle that is dragged."""
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 CHANGES = 4
+FRAMES = """() => {
+    const times = [];
+    let last = performance.now(), on = true;
+    const next = now => {
+        times.push(now - last);
+        last = now;
+        if (on) requestAnimationFrame(next);
+    };
+    requestAnimationFrame(next);
+    window.stopFrames = () => { on = false; return times.slice(2); };
+}"""
+"""Records the time between frames of the browser."""
 RUNS = 10
 """Answers after which memory is looked at."""
 
@@ -75,7 +92,7 @@ def answer_cost(server: BenchServer, design: str, path: str) -> dict[str, float]
     return {f"{name}_processor_s": round(statistics.median(c), 3) for name, c in costs.items()}
 
 
-def measure(page: Any, name: str, path: str) -> dict[str, Any]:
+def measure(page: Any, name: str, path: str, dragged: str) -> dict[str, Any]:
     began = time.perf_counter()
     design = page.evaluate(
         "async name => (await (await fetch('/api/designs', {method: 'POST', "
@@ -92,20 +109,20 @@ def measure(page: Any, name: str, path: str) -> dict[str, Any]:
         page.keyboard.press("ArrowUp" if k % 2 else "ArrowDown")
         until(page, f"bench.answers.length > {count}")
     page.wait_for_timeout(200)
-    frames, apart, group = [], [], page.locator(f"#handles [data-path='{path}'] circle").last
-    if group.count():
-        page.evaluate("bench.frames.length = 0")
-        box = group.bounding_box()
-        x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
-        page.mouse.move(x, y)
-        page.mouse.down()
-        for step in range(60):
-            page.mouse.move(x + 0.2 * (step % 10), y)
-            page.wait_for_timeout(8)
-        page.mouse.up()
-        frames = page.evaluate("bench.frames.map(f => f.paint)")
-        at = page.evaluate("bench.frames.map(f => f.at)")
-        apart = [later - earlier for earlier, later in pairwise(at) if later > earlier]
+    page.evaluate("bench.frames.length = bench.follows.length = 0")
+    page.locator("#picture").scroll_into_view_if_needed()
+    box = page.locator(f"#handles [data-path='{dragged}'] circle").last.bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.evaluate(FRAMES)
+    for step in range(90):
+        page.mouse.move(x + 0.2 * (step % 10), y + 0.2 * (step % 10))
+        page.wait_for_timeout(12)
+    apart = page.evaluate("window.stopFrames()")
+    paints, follows = page.evaluate("[bench.frames.map(f => f.paint), bench.follows]")
+    page.mouse.up()
+    page.wait_for_timeout(300)
     answers, looks = page.evaluate("bench.answers"), page.evaluate("bench.looks")
     quick = [a["ms"] / 1e3 for a in answers if not a["full"]][1:]
     return {
@@ -113,9 +130,11 @@ def measure(page: Any, name: str, path: str) -> dict[str, Any]:
         "answer_median_s": round(statistics.median(quick), 3),
         "answer_worst_s": round(max(quick), 3),
         "look_median_ms": round(statistics.median(looks), 1),
-        "paint_median_ms": round(statistics.median(frames), 2) if frames else None,
-        "paint_worst_ms": round(max(frames), 2) if frames else None,
-        "frame_median_ms": round(statistics.median(apart), 1) if apart else None,
+        "frame_median_ms": round(statistics.median(apart), 1),
+        "frame_95_ms": round(statistics.quantiles(apart, n=20)[-1], 1),
+        "frames_per_second": round(1e3 * len(apart) / sum(apart), 1),
+        "paint_median_ms": round(statistics.median(paints), 2),
+        "closed_forms_median_ms": round(statistics.median(follows), 2) if follows else None,
     }
 
 
@@ -139,8 +158,8 @@ def main(names: Sequence[str] = ()) -> None:
         paint = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime"
         found["first_paint_ms"] = page.evaluate(paint)
         for name in names or MACHINES:
-            path = MACHINES[name]
-            found[name] = measure(page, name, path)
+            path, dragged = MACHINES[name]
+            found[name] = measure(page, name, path, dragged)
             page.goto(server.address.partition("?")[0])  # nothing asks meanwhile
             page.wait_for_selector("#questions .card")
             newest = server.bench.workspace.designs()[0]["id"]

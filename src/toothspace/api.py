@@ -404,10 +404,6 @@ def new_case(machine: str, displacement: str, pressure: str, speed: str) -> str:
             best, least = proposed, broken
         if not broken:
             break
-    return "\n".join(map(_aligned, best.split("\n")))
-
-
-def _aligned(line: str) -> str:
-    """Line of a case file whose remark stands in a column of its own."""
-    given, mark, remark = line.partition("  #")
-    return f"{given.rstrip():<33}#{remark}" if mark else line
+    # remarks stand in a column of their own
+    parts = [line.partition("  #") for line in best.split("\n")]
+    return "\n".join(f"{a.rstrip():<33}#{remark}" if mark else a for a, mark, remark in parts)

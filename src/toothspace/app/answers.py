@@ -19,7 +19,7 @@ from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 from toothspace.results.variables import CURVES
 from toothspace.run.heating import HeatSearch
-from toothspace.run.run import Run
+from toothspace.run.run import Marches, Run
 from toothspace.run.running_in import Tracks
 from toothspace.solver.cyclic import History
 from toothspace.solver.lost_flow import chamber_leakage
@@ -62,11 +62,11 @@ class Answers:
             return self.full(case, progress)
         run = prepare(case)
         run = self._worn(run, progress).with_films(progress)
-        marches = run.repeated(progress, self._last, by_pitch=True)
+        marches = Marches(run, progress, self._last, by_pitch=True)
         machine = _as_warm(run.machine, self._warm)
         found = marches(machine)
         if found.status is not Status.DONE and self._last is not None:
-            marches = run.repeated(progress)
+            marches = Marches(run, progress)
             found = marches(machine)
         # what films and oil warm up to with these losses, without a further round
         heat = HeatSearch(case, run.machine)
@@ -84,7 +84,7 @@ class Answers:
         run = prepare(case).worn(progress)
         self._tracks = run.tracks
         run = run.with_films(progress)
-        marches, heat = run.repeated(progress, self._last), HeatSearch(case, run.machine)
+        marches, heat = Marches(run, progress, self._last), HeatSearch(case, run.machine)
         while not heat.agree_with(marches(heat.machine)):
             pass
         self._last, self._warm = marches.last, heat.machine

@@ -78,7 +78,9 @@ def run_python(
     beside = [] if script is None or by_name else [Path(script).parent]
     needed = {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
     left_out = {place.resolve() for place in (*_current_folder(), *beside)} - needed
-    kept = [place for place in map(_absolute, sys.path) if Path(place).resolve() not in left_out]
+    here = _current_folder()
+    absolute = [p if Path(p).is_absolute() else str(Path(*here, p)) for p in sys.path]
+    kept = [place for place in absolute if Path(place).resolve() not in left_out]
     # places of modules that lie in the way of the user only if they are needed
     places = [*kept, str(_HOME)] if _HOME.resolve() in left_out else kept
     words += ["-c", _START, program, str(_HOME), *places, "--", *arguments]
@@ -99,10 +101,6 @@ def _current_folder() -> list[Path]:
     with suppress(OSError):  # it may be gone
         return [Path.cwd()]
     return []
-
-
-def _absolute(place: str) -> str:
-    return place if Path(place).is_absolute() else str(Path(*_current_folder(), place))
 
 
 @contextmanager

@@ -26,7 +26,7 @@ from toothspace.floating.problem import (
     lateral_problem,
     numbers_of,
 )
-from toothspace.floating.stack import HoldingSpring, MovingBearing, Snapshot, Stack, leaning
+from toothspace.floating.stack import HoldingSpring, MovingBearing, Snapshot, leaning
 from toothspace.floating.torque import lumped_torque, with_film_torque
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load, with_lateral_leakage
@@ -595,6 +595,7 @@ def _with_films(
     status = Status.INTERRUPTED if march.interrupted else status
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
     rise, numbers = point.temperature_rise, point.numbers
+    sides = np.array([grid.interface.side for grid in stack.grids])
     return replace(solution, status=status, data=data).with_note(
         hold_down_warning(numbers),
         equilibrium_warning(point),
@@ -603,7 +604,7 @@ def _with_films(
         lateral_torque_mismatch=point.torque_mismatch,
         lateral_torque=numbers.viscous_torque + numbers.asperity_torque,
         lateral_smallest_gap=numbers.smallest_gap,
-        **_side_gaps(stack, numbers),
+        **{f"{s}_side_gap": float(numbers.gaps[sides == s].mean()) for s in ("floating", "solid")},
         lateral_contact_force=numbers.contact_force,
         lateral_real_contact_area=numbers.real_contact_area,
         lateral_contact_share=numbers.contact_share,
@@ -620,12 +621,6 @@ def _with_films(
         lateral_residual=float(max(march.residuals)),
         **face_deflection(march.last.states[0]),
     )
-
-
-def _side_gaps(stack: Stack, numbers: LateralNumbers) -> dict[str, float]:
-    """Mean gap of the films of each side. [m]."""
-    sides = np.array([grid.interface.side for grid in stack.grids])
-    return {f"{s}_side_gap": float(numbers.gaps[sides == s].mean()) for s in ("floating", "solid")}
 
 
 def hold_down_warning(numbers: LateralNumbers) -> str:

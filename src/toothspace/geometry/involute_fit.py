@@ -242,7 +242,11 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
     points themselves count, not the chords between them.
     """
     height = tip_radius - root_radius
-    sides = {side: _thinned(points.on_side(side)) for side in (LEFT, RIGHT)}
+    sides = {side: points.on_side(side) for side in (LEFT, RIGHT)}
+    for side, own in sides.items():
+        # by rising radius, a limited number
+        order = np.argsort(own.radius, kind="stable")
+        sides[side] = own.taken(order[:: max(len(order) // _MOST_POINTS, 1)])
     if min(len(side.radius) for side in sides.values()) < 3 or height <= 0.0:
         return None
     low, high = (root_radius + share * height for share in _START)
@@ -295,12 +299,6 @@ def _offsets(points: FlankPoints, unknowns: Array, side: float, ends: tuple[floa
     inside = (points.radius >= ends[0]) & (points.radius <= ends[1])
     own = [distance[inside & (points.tooth == k)] for k in range(points.tooth_count)]
     return np.array([float(np.median(part)) if len(part) else 0.0 for part in own])
-
-
-def _thinned(points: FlankPoints) -> FlankPoints:
-    # by rising radius, a limited number
-    order = np.argsort(points.radius, kind="stable")
-    return points.taken(order[:: max(len(order) // _MOST_POINTS, 1)])
 
 
 def _distance(radius: Array, angle: Array, unknowns: Array, side: float) -> Array:

@@ -69,11 +69,6 @@ def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
     return fluid_law(choice.source, asked, gas)
 
 
-def fluid_temperature(case: Case) -> float:
-    """Temperature of the fluid of a case. [K]."""
-    return fluid_keys(case).temperature
-
-
 def fluid_limits(case: Case) -> tuple[float, tuple[float, float]]:
     """Pressure up to which, temperatures between which a fluid is known. [Pa], [K]."""
     choice = fluid_keys(case)
@@ -102,7 +97,8 @@ def fluid_findings(case: Case, fluid: FluidLaw) -> Iterator[Finding]:
             allowed=f"up to {allowed}",
             advice="Raise fluid.temperature or take a thinner oil.",
         )
-    fit = liquid_at(fluid_keys(case).source, fluid_temperature(case))
+    choice = fluid_keys(case)
+    fit = liquid_at(choice.source, choice.temperature)
     if not isinstance(fit, TableFit):
         return
     for name, error, largest in (

@@ -18,7 +18,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.numerics.banded import check_grid
 from toothspace.results.solution import Solution
 from toothspace.run.heating import HeatSearch, lateral_heating
-from toothspace.run.run import Run, interface_models
+from toothspace.run.run import Marches, Run, interface_models
 from toothspace.run.run import simulate as simulate_chambers
 
 _STEPS_PER_PITCH = 3
@@ -57,7 +57,7 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     return coupled_solution(
         ready.machine,
         ready.fluid,
-        ready.repeated(progress),
+        Marches(ready, progress),
         request,
         steps,
         progress,

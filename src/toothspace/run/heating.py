@@ -36,7 +36,7 @@ from toothspace.results.ledger import Ledger
 from toothspace.results.performance import drain_flow
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
-from toothspace.run.condition import fluid_keys, fluid_temperature
+from toothspace.run.condition import fluid_keys
 from toothspace.solver.cyclic import History
 from toothspace.solver.outcome import drain_of, window_ledger
 
@@ -83,7 +83,7 @@ class HeatSearch:
         self.machine = description
         """The machine with films as warm as the present guess."""
         self._case, self._description = case, description
-        self._supply = fluid_temperature(case)
+        self._supply = fluid_keys(case).temperature
         self._warning = ""
         self._heat: tuple[HeatNetwork, dict[str, float]] | None = None
         self._cold: tuple[Solution, tuple[HeatNetwork, dict[str, float]]] | None = None
@@ -242,7 +242,7 @@ def film_heating(case: Case, oil_share: float) -> FilmHeating:
     """
     liquid = liquid_of(case)
     balance = HeatBalance(
-        supply_temperature=fluid_temperature(case),
+        supply_temperature=fluid_keys(case).temperature,
         density=liquid.density,
         heat_capacity=liquid.specific_heat_capacity,
         oil_share=oil_share,

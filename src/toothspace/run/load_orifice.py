@@ -27,7 +27,7 @@ from toothspace.closures.orifice import (
     orifice_conductance,
 )
 from toothspace.closures.viscosity import dynamic_viscosity
-from toothspace.core.progress import UNKNOWN, Progress, tell
+from toothspace.core.progress import UNKNOWN, Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import format_si
@@ -268,10 +268,7 @@ def with_held_outlet(
 
 def march_held(held: System, plan: RunPlan, progress: Progress | None) -> History:
     """March a system with a held outlet until it repeats, with progress that names the reason."""
-
-    def sizing(_: float, text: str) -> None:
-        tell(progress, UNKNOWN, f"load orifice, {text}")
-
+    sizing = part(progress, "load orifice")
     return march_revolutions(held, replace(plan, revolutions=None), sizing)
 
 

@@ -23,14 +23,14 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compilation.library import compiler_version
 from toothspace.core.errors import CaseError
 from toothspace.core.lazy import LazyMapping
-from toothspace.core.progress import UNKNOWN, Progress, tell
+from toothspace.core.progress import UNKNOWN, Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution, standing
-from toothspace.run.condition import fluid_temperature
+from toothspace.run.condition import fluid_keys
 from toothspace.run.heating import HeatSearch
 from toothspace.run.load_orifice import march_against_orifice, with_held_outlet
 from toothspace.run.running_in import Tracks, named_depths, run_in, running_in_depths
@@ -136,27 +136,13 @@ class Run:
             if self.condition.free_shaft is not None and found.status is Status.DONE:
                 found = found.with_note(*standing(found.data))
             return self.marked(SeatSearch(self.machine).noted(found))
-        return self.repeated(progress)(self.machine)
-
-    def repeated(
-        self,
-        progress: Progress | None = None,
-        begin: History | None = None,
-        *,
-        by_pitch: bool = False,
-    ) -> Marches:
-        """Marches to the cyclic state of this machine and of ones that differ in gaps and films.
-
-        Each begins where the last one ended, the first where ``begin`` does; ``by_pitch`` as in
-        :class:`~toothspace.solver.cyclic.RunPlan`.
-        """
-        return Marches(self, progress, begin, by_pitch=by_pitch)
+        return Marches(self, progress)(self.machine)
 
     @property
     def values(self) -> dict[str, Any]:
         """What a result holds of the run beside the history: temperature and tracks."""
         bodies = [body.name for body in self.machine.bodies]
-        temperature = np.asarray(fluid_temperature(self.case))
+        temperature = np.asarray(fluid_keys(self.case).temperature)
         cut = named_depths("running_in_depth", self.tracks.depths, bodies)
         return {"fluid_temperature": temperature, **cut}
 
@@ -175,7 +161,9 @@ class Run:
 
 @final
 class Marches:
-    """Marches of one run to its cyclic state; each begins where the last one ended.
+    """Marches of one run to its cyclic state, on its machine and ones with other gaps and films.
+
+    Each begins where the last one ended.
 
     Parameters
     ----------
@@ -192,8 +180,8 @@ class Marches:
     def __init__(
         self,
         run: Run,
-        progress: Progress | None,
-        begin: History | None,
+        progress: Progress | None = None,
+        begin: History | None = None,
         *,
         by_pitch: bool = False,
     ) -> None:
@@ -256,9 +244,7 @@ class Marches:
         state = None if last is None else first_turn_state(last)
         plan = replace(self._plan, revolutions=None if last is None else 1)
 
-        def warming(_: float, text: str) -> None:
-            tell(self._progress, UNKNOWN, f"temperatures of the films, {text}")
-
+        warming = part(self._progress, "temperatures of the films")
         found = march_near(system, plan, warming, state) if self._repeats else None
         self._repeats = found is not None
         history = found or march_revolutions(system, plan, warming, state)
@@ -361,10 +347,10 @@ def unused_tables(case: Case) -> dict[str, str]:
     if interface_models(case).get("lateral") != "reynolds":
         reasons.setdefault("free_bodies", "without run.interfaces.lateral = 'reynolds'")
     given: dict[str, str] = {}
-    for part in filter(tables.__contains__, reasons):
-        path, value = f"machine.{tables[part]}", attrgetter(tables[part])(case.machine)
+    for table in filter(tables.__contains__, reasons):
+        path, value = f"machine.{tables[table]}", attrgetter(tables[table])(case.machine)
         if value not in (None, "given"):
-            given[path if isinstance(value, str) else f"[{path}]"] = reasons[part]
+            given[path if isinstance(value, str) else f"[{path}]"] = reasons[table]
     if case.heat.model == "coupled" and (case.circuit is not None or not run.preset.has_losses):
         where = "over time" if case.circuit is not None else f"with {run.fidelity!r}"
         given["heat.model"] = f"by a run {where}"
@@ -412,7 +398,7 @@ def simulate(run: Run, progress: Progress | None = None) -> Solution:
     ready = run.worn(progress).with_films(progress)
     if ready.condition.over_time:
         return ready.march(progress)
-    march, heat = ready.repeated(progress), HeatSearch(ready.case, ready.machine)
+    march, heat = Marches(ready, progress), HeatSearch(ready.case, ready.machine)
     heat.come_near(march.turned)
     while not heat.agree_with(march(heat.machine)):
         pass
@@ -423,7 +409,7 @@ def warmed_through(run: Run, progress: Progress | None = None) -> Run:
     """Run whose films are as warm as its operating point makes them, where the case asks so."""
     if run.condition.over_time or run.case.heat.model != "coupled":
         return run
-    march, heat = run.repeated(progress), HeatSearch(run.case, run.machine)
+    march, heat = Marches(run, progress), HeatSearch(run.case, run.machine)
     heat.come_near(march.turned)
     while not heat.agree_with(march(heat.machine)):
         pass

@@ -326,7 +326,7 @@ class _PeriodicSearch:
     def learn(self, piece: Piece) -> None:
         """Take a marched revolution into account."""
         first, last = (
-            _in_turn(self._system, piece.states[k], 0)[self._part] / self._scale for k in (0, -1)
+            _in_first_turn(self._system, piece.states[k])[self._part] / self._scale for k in (0, -1)
         )
         self._found = self._mixing.following(first, last - first)
 
@@ -338,9 +338,9 @@ class _PeriodicSearch:
         """State to begin the next revolution with, not too far from where this one ended."""
         system, last = self._system, piece.states[-1]
         size = system.arrays.size
-        state = _in_turn(system, last, 0)
+        state = _in_first_turn(system, last)
         state[self._part] = self._found * self._scale
-        step = _in_turn(system, state, _turns(last)) - last
+        step = _turned(system, state[None], last[0] - state[0])[0] - last
         masses, place = slice(size.mass, size.position), slice(size.position, size.velocity)
         moved = np.concatenate(
             [
@@ -374,16 +374,13 @@ def successors(description: MachineDescription, turn: float = 2.0 * np.pi) -> In
 
 def first_turn_state(history: History) -> Array:
     """Last state of a march, with the shaft angle and the chambers back in the first turn."""
-    return _in_turn(history.system, history.states[-1], 0)
+    return _in_first_turn(history.system, history.states[-1])
 
 
-def _turns(state: Array) -> int:
-    return int(np.floor(state[0] / (2.0 * np.pi) + 0.5))
-
-
-def _in_turn(system: System, state: Array, turns: int) -> Array:
-    """State of the same machine whole turns before or after, its chambers renamed for it."""
-    return _turned(system, state[None], 2.0 * np.pi * (turns - _turns(state)))[0]
+def _in_first_turn(system: System, state: Array) -> Array:
+    """State of the same machine whole turns before, its chambers renamed for it."""
+    turns = np.floor(state[0] / (2.0 * np.pi) + 0.5)
+    return _turned(system, state[None], -2.0 * np.pi * turns)[0]
 
 
 def _turned(system: System, states: Array, turn: float) -> Array:

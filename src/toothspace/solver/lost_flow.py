@@ -23,7 +23,7 @@ import numpy as np
 
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model import arrays as col
 from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import LEAKAGES, PathRole
@@ -166,43 +166,50 @@ def path_leakage(look: Look, share: Array) -> tuple[Array, Array]:
     pressure, drag : ndarray, shape (samples, categories)
         Their sum is all that paths leak; drag against the pressure is negative.
     """
-    system, seen = look.history.system, look.seen
-    index, kinds = system.arrays.path_index, len(system.categories)
-    leaks = np.array([category.role in LEAKAGES for category in system.categories])
-    counts = leaks[index[:, col.CATEGORY]] & (seen.path_flow != 0.0) & ~look.trapped
-    # few of all paths are open at a time
-    row, path = np.nonzero(counts)
-    first, second = index[path, col.NODE_A], seen.path_partner[row, path]
-    fall, flow = share[row, first] - share[row, second], seen.path_flow[row, path]
-    source = seen.density[row, np.where(flow > 0.0, first, second)]
-    walls = source * look.history.states[row, 1]
-    drag = walls * (seen.path_drag[row, path] - seen.path_carried[row, path])
-    pressure = flow - walls * seen.path_drag[row, path]
-    place, shape = row * kinds + index[path, col.CATEGORY], (len(seen.path_flow), kinds)
+    system = look.history.system
+    row, path, _, pressure, drag = _leaks(look, share)
+    kinds = len(system.categories)
+    place = row * kinds + system.arrays.path_index[path, col.CATEGORY]
+    shape = (len(look.seen.path_flow), kinds)
     by_pressure, by_drag = (
-        np.bincount(place, values * fall, shape[0] * shape[1]).astype(float).reshape(shape)
+        np.bincount(place, values, shape[0] * shape[1]).astype(float).reshape(shape)
         for values in (pressure, drag)
     )
     return by_pressure, by_drag
 
 
 def chamber_leakage(history: History) -> Array:
-    """Flow that leaves every chamber through gaps, by pressure and drag, trapped chambers too.
+    """Flow that leaks out of every chamber, counted as in :func:`path_leakage`.
 
-    At the density in the chamber that it leaves, shape (samples, chambers). [m3/s]
+    At the density at the inlet, shape (samples, chambers). [m3/s]
     """
-    system, seen = history.system, observe(history.system.arrays, history.states)
-    index, chambers = system.arrays.path_index, system.arrays.size.chambers
+    look = look_at(history)
+    row, _, source, pressure, drag = _leaks(look, shares(look))
+    chambers = history.system.arrays.size.chambers
+    inside, shape = source < chambers, (len(history.states), chambers)
+    place, leaking = (row * chambers + source)[inside], (pressure + drag)[inside]
+    total = np.bincount(place, leaking, shape[0] * shape[1]).astype(float).reshape(shape)
+    return total / look.seen.density[:, [history.system.description.inlet_node]]
+
+
+def _leaks(look: Look, share: Array) -> tuple[IntArray, IntArray, IntArray, Array, Array]:
+    """Flows through gaps: sample, path, node that each leaves, and the mass flow that falls.
+
+    The latter by pressure and by drag. [kg/s]
+    """
+    system, seen = look.history.system, look.seen
+    index = system.arrays.path_index
     leaks = np.array([category.role in LEAKAGES for category in system.categories])
-    row, path = np.nonzero(leaks[index[:, col.CATEGORY]] & (seen.path_flow != 0.0))
-    flow = seen.path_flow[row, path]
-    source = np.where(flow > 0.0, index[path, col.NODE_A], seen.path_partner[row, path])
-    inside = source < chambers
-    row, flow, source = row[inside], flow[inside], source[inside]
-    shape = len(history.states), chambers
-    volume = np.abs(flow) / seen.density[row, source]
-    total = np.bincount(row * chambers + source, volume, shape[0] * shape[1])
-    return total.astype(float).reshape(shape)
+    counts = leaks[index[:, col.CATEGORY]] & (seen.path_flow != 0.0) & ~look.trapped
+    # few of all paths are open at a time
+    row, path = np.nonzero(counts)
+    first, second = index[path, col.NODE_A], seen.path_partner[row, path]
+    fall, flow = share[row, first] - share[row, second], seen.path_flow[row, path]
+    source = np.where(flow > 0.0, first, second)
+    walls = seen.density[row, source] * look.history.states[row, 1]
+    drag = walls * (seen.path_drag[row, path] - seen.path_carried[row, path])
+    pressure = flow - walls * seen.path_drag[row, path]
+    return row, path, source, pressure * fall, drag * fall
 
 
 def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:

@@ -81,10 +81,7 @@ def solution_from(
     flow = _into_drains(system, seen)
     leaking = [system.categories.index(category) for category in kinds]
     category = system.arrays.path_index[:, col.CATEGORY]
-
-    def by_path(paths: Array) -> Array:
-        return np.stack([paths[:, category == k].sum(axis=1) for k in leaking], axis=1)
-
+    of_kind = (category[:, None] == leaking).astype(float)
     values = {
         **ports,
         **constants,
@@ -100,10 +97,10 @@ def solution_from(
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
         "leakage": (by_pressure + by_drag)[:, leaking]
         / seen.density[:, [system.description.inlet_node]],
-        "equivalent_leakage": by_path(power) / (span or np.inf),
+        "equivalent_leakage": power @ of_kind / (span or np.inf),
         "drain_flow_rate": np.asarray(flow / seen.density[:, system.description.inlet_node]),
         # at the shaft, of walls that drag fluid to higher pressure
-        "drag_torque": -by_path(seen.path_drag * seen.path_drop),
+        "drag_torque": -(seen.path_drag * seen.path_drop) @ of_kind,
         **_dense_values(history, close),
         **teeth,
         **extra,

@@ -39,7 +39,7 @@ from toothspace.model.floating_bearing import STICK, HousingContact, LateralBala
 from toothspace.results.solution import Solution
 from toothspace.results.variables import unit_of, variable
 from toothspace.run.elastic import lateral_settings, require_floating_part
-from toothspace.run.run import Run
+from toothspace.run.run import Marches, Run
 from toothspace.studies.points import operating_point_of
 from toothspace.studies.study import Record, StudyContext, StudyResult, StudyTable
 
@@ -371,7 +371,7 @@ class LateralPoints:
             outlet_pressure=point.outlet_pressure,
             relative_tolerance=max(base.relative_tolerance, _LUMPED_TOLERANCE),
         )
-        return replace(self.run, condition=condition).repeated(progress)
+        return Marches(replace(self.run, condition=condition), progress)
 
 
 def prepare(case: Case, friction: HousingContact | None) -> LateralPoints:

@@ -35,7 +35,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.quasi_static import mean_force
 from toothspace.run.elastic import lateral_settings
 from toothspace.run.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.run.run import Run, provenance_of
+from toothspace.run.run import Marches, Run, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
@@ -240,7 +240,7 @@ def reduce_lateral_films(
         )
         inlet, outlet = (low + rise, low) if inward else (low, low + rise)
         condition = replace(at, shaft_speed=speed, inlet_pressure=inlet, outlet_pressure=outlet)
-        march = replace(ready, condition=condition).repeated()
+        march = Marches(replace(ready, condition=condition))
         conditions.append(loaded_condition(plain, fluid, march, lateral_settings(case)))
     shares = load_shares(conditions)
     found: list[LateralReduction] = []

@@ -74,7 +74,7 @@ def test_a_handle_moves_by_its_direction(
     moved = np.subtract(after[path]["place"]["point"], before["place"]["point"])
     wanted = step * np.array(before["place"]["direction"])
     # places are rounded to a micrometre; play and distance of a mesh are not in proportion
-    assert moved == pytest.approx(wanted, abs=1e-3, rel=0.02)
+    assert moved == pytest.approx(wanted, abs=2e-3, rel=0.02)
     assert np.hypot(*wanted) > 2e-3
 
 

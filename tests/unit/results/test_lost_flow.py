@@ -14,7 +14,13 @@ from toothspace.model import arrays as col
 from toothspace.results.performance import LABELS, leakages_of, parts_of
 from toothspace.results.solution import Solution
 from toothspace.solver import outcome
-from toothspace.solver.lost_flow import Look, lost_flow_parts, path_leakage, shares
+from toothspace.solver.lost_flow import (
+    Look,
+    chamber_leakage,
+    lost_flow_parts,
+    path_leakage,
+    shares,
+)
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 MACHINES = ["egm12_pump", "crescent_motor", "gerotor_cycloidal"]
@@ -100,6 +106,29 @@ def test_parts_sum_in_every_kind_of_run(overrides: list[str]) -> None:
         assert solution.summary()["lost_flow_L_per_min"] == pytest.approx(0.0, abs=1e-3)
         return
     assert_parts_sum(solution)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["egm12_pump", "gerotor_cycloidal"])
+def test_what_leaks_out_of_chambers_is_what_paths_leak(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[Look] = []
+
+    def noted(close: Look, lost: float) -> dict[str, float]:
+        kept.append(close)
+        return lost_flow_parts(close, lost)
+
+    monkeypatch.setattr(outcome, "lost_flow_parts", noted)
+    run(name, "run.revolutions=1")
+    history, seen = kept[-1].history, kept[-1].seen
+    leaving = chamber_leakage(history)
+    density = seen.density[:, history.system.description.inlet_node]
+    total = sum(path_leakage(kept[-1], shares(kept[-1]))).sum(axis=1) / density
+    assert leaving.sum(axis=1) == pytest.approx(total, rel=1e-9, abs=1e-3 * float(total.mean()))
+    # most of it from chambers at high pressure
+    high = seen.pressure[:, : leaving.shape[1]] > 0.5 * seen.pressure.max()
+    assert leaving[high].sum() > 0.9 * leaving.sum()
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ const LIVE = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3",
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = {}, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
-window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], get shape() { return shape; } };
+window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], follows: [], get shape() { return shape; } };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
 const curves = new Curves(by("curves"), angle => { if (answer?.turn) turnTo(angle); }), areas = new Curves(by("openings"));
@@ -31,7 +31,7 @@ async function open(id) {
   const found = await attempt(() => ask(`/api/designs/${id}`));
   if (!found) { location.hash = ""; return; }
   by("start").hidden = true; by("bench").hidden = false; by("design-tools").hidden = false;
-  Object.assign(window.bench, { answers: [], looks: [] });
+  Object.assign(window.bench, { answers: [], looks: [], follows: [] });
   answer = ghost = shape = null; measured = {}; machine.turn(null); machine.handles = []; machine.box = null;
   viewsDrawn = null; by("views").replaceChildren();
   by("tiles").replaceChildren(); by("verdict").textContent = ""; by("curves").replaceChildren(); curves.plots.clear();
@@ -84,9 +84,11 @@ let followed = null, following = 0;
 function follow() {
   following ||= requestAnimationFrame(() => {
     following = 0;
+    const began = performance.now();
     followed = shape && kinematics(shape.closed, Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h.now])));
     if (!followed) return;
     machine.follow(followed); geometry(); live();
+    window.bench.follows.push(performance.now() - began);
   });
 }
 function live() {

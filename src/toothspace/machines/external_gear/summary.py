@@ -95,6 +95,12 @@ def geometry_summary(
     if helix is not None:
         backlash *= float(np.cos(helix.base_angle))
     ripple = flow_ripple(assembly) if helix is None else helix.ripple(flow_over_pitch(assembly))
+    volumes: Mapping[str, object]
+    if helix is None:
+        trapped, dead = trapped_volumes(assembly, spaces)
+        volumes = {"trapped_volume_mm3": trapped * 1e9, "dead_volume_mm3": dead * 1e9}
+    else:
+        volumes = helix.numbers(contact_ratio(assembly))
     return {
         **tooth_data(assembly),
         "displacement_cm3_per_rev": displacement(assembly) * 2e6 * np.pi,
@@ -108,9 +114,7 @@ def geometry_summary(
         "base_diameter_mm": None if first is None else 2e3 * first,
         "operating_pressure_angle_deg": None if angle is None else float(np.rad2deg(angle)),
         "flow_ripple_percent": 100.0 * ripple,
-        **(
-            _enclosed(assembly, spaces) if helix is None else helix.numbers(contact_ratio(assembly))
-        ),
+        **volumes,
         **(
             {"encapsulated_volume_mm3": enclosed_area(assembly) * assembly.face_width * 1e9}
             if assembly.flanks_in_turn
@@ -119,11 +123,6 @@ def geometry_summary(
         **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
-
-
-def _enclosed(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
-    trapped, dead = trapped_volumes(assembly, spaces)
-    return {"trapped_volume_mm3": trapped * 1e9, "dead_volume_mm3": dead * 1e9}
 
 
 def tooth_data(assembly: Assembly) -> dict[str, object]:
