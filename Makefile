@@ -54,7 +54,7 @@ extras: $(EXTRAS_READY) kernels  ## test what the optional extras bring, with al
 		tests/unit/app tests/unit/circuit/test_foreign_units.py tests/unit/cli/test_export.py tests/unit/fmi tests/unit/geometry \
 		tests/unit/machines/test_gerotor_cad.py tests/unit/case/test_case_draft.py tests/unit/model tests/unit/plotting \
 		tests/unit/results/test_technical_data.py tests/unit/studies
-	$(BIN)/python -m pytest -q -n $(WORKERS) --skip-nothing -m "slow or not slow" tests/end_to_end tests/verification/test_solid_file.py
+	$(BIN)/python -m pytest -q -n $(WORKERS) --skip-nothing -m "slow or not slow" tests/end_to_end tests/verification/test_solid_file.py tests/unit/studies/test_cluster.py
 
 sample: kernels  ## run a thirteenth of the slow tests, another one for every commit and day
 	@echo "make sample PART=$(PART)"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,8 @@ from toothspace.plotting.section import (
 DRAG_NODES = 180
 """Table nodes on a turn while a handle moves; displacement and contact are closed forms."""
 if TYPE_CHECKING:
-    from toothspace.geometry.gear_finder import FileContents
+    from toothspace.geometry.body_section import BodySection
+    from toothspace.geometry.gear_finder import FileContents, FoundGear
 
 _MM = 1e3
 _DRAWN_ERROR = 8e-6
@@ -168,32 +170,27 @@ def drawn_bodies(
     if not solid:
         return []
     x, y, z = (float(v) for v in solid[0].axis)
+    plane = float(solid[0].axis @ solid[0].center)
+    request = SectionRequest((x, y, z), plane, missed=True)
     found: list[dict[str, Any]] = []
     for file in filter(is_solid, files):
-        for request in (SectionRequest((x, y, z), float(solid[0].axis @ solid[0].center)),
-                        SectionRequest((x, y, z))):  # fmt: skip
-            try:
-                cuts = load_body_sections(file, unit, request)
-            except GeometryError:
-                continue
-            known = {one["body"] for one in found if one["file"] == file.name}
-            for cut in cuts:
-                if cut.body in known:
-                    continue
-                kind, gear = teeth.get((file, cut.body), ("body", None))
-                count = None if gear is None else gear.detected.profile.tooth_count
-                outlines = [_points(_thinned(curve)) for curve in cut.curves]
-                found.append(
-                    {
-                        "file": file.name,
-                        "body": cut.body,
-                        "name": cut.name,
-                        "kind": kind,
-                        "teeth": count,
-                        "outlines": outlines,
-                    }
-                )
+        with suppress(GeometryError):
+            found += [
+                _drawn(file, cut, *teeth.get((file, cut.body), ("body", None)))
+                for cut in load_body_sections(file, unit, request)
+            ]
     return found
+
+
+def _drawn(file: Path, cut: BodySection, kind: str, gear: FoundGear | None) -> dict[str, Any]:
+    return {
+        "file": file.name,
+        "body": cut.body,
+        "name": cut.name,
+        "kind": kind,
+        "teeth": None if gear is None else gear.detected.profile.tooth_count,
+        "outlines": [_points(_thinned(curve)) for curve in cut.curves],
+    }
 
 
 def _thinned(curve: Array) -> Array:

@@ -319,6 +319,8 @@ class SectionRequest:
     """
     left_out: tuple[tuple[str, int], ...] = ()
     """Names of files and numbers of bodies in them that do not belong to the machine."""
+    missed: bool = False
+    """Whether bodies that the plane does not meet are cut at their middle."""
 
 
 @final
@@ -414,7 +416,10 @@ def _cuts(number: int, body: SolidBody, request: SectionRequest) -> list[BodySec
             if teeth is not None:
                 return [_section(number, body, likely, teeth, request.plane)]
     if request.face_towards is None:
-        return [_section(number, body, axis, None, request.plane)]
+        low, high = body.mesh.extent(axis)
+        meets = request.plane is not None and low < request.plane < high
+        plane = request.plane if meets or not request.missed else None
+        return [_section(number, body, axis, None, plane)]
     # from the end nearest to the height
     layers, towards = _layers(body.mesh, axis), request.face_towards
     if abs(layers[0][0] - towards) >= abs(layers[-1][1] - towards):

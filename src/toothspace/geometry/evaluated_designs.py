@@ -154,6 +154,10 @@ class EvaluatedDesigns:
 
 
 def joined(parts: Sequence[EvaluatedDesigns]) -> EvaluatedDesigns:
-    """Return the designs of several parts in a row."""
-    numbers = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    """Return the designs of several parts in a row; NaN where a part has no number of a name."""
+    none = [np.full(part.reasons.shape, np.nan) for part in parts]
+    numbers = {
+        name: np.concatenate([p.numbers.get(name, n) for p, n in zip(parts, none, strict=True)])
+        for name in dict.fromkeys(name for part in parts for name in part)
+    }
     return EvaluatedDesigns(numbers, np.concatenate([part.reasons for part in parts]))

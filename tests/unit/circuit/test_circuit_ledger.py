@@ -9,6 +9,7 @@ import pytest
 
 from toothspace import api
 from toothspace.case import Case
+from toothspace.circuit.elements import ELEMENTS
 from toothspace.results.solution import Solution
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
@@ -37,6 +38,12 @@ LOADS: dict[str, dict[str, Any]] = {
     "torque_source": {"torque": [["0 s", "0.2 N m"], ["0.01 s", "0.4 N m"]]},
     "coupling": {"stiffness": "100 N m/rad", "damping": "0.01 N m s/rad"},
 }
+ELSEWHERE = {
+    "electric_drive": "test_electric_drive.py",
+    "flow_source": "test_foreign_units.py",
+    "fmu": "test_foreign_units.py",
+}
+"""Elements whose masses and energies are balanced in another file."""
 SPIN = {"kind": "speed_source", "speed": [["0 s", "300 rpm"]]}
 PLACES: dict[str, list[list[str]]] = {
     "inlet": [["high", "x"], ["x", "machine.inlet"], ["machine.outlet", "low"]],
@@ -99,6 +106,15 @@ def check(solution: Solution) -> None:
     assert solution.status.name == "DONE"
     assert solution.ledger.mass_balance_error < 1e-7
     assert solution.ledger.energy_balance_error < 1e-5
+
+
+def test_every_kind_of_element_is_balanced() -> None:
+    here = {*RESTRICTIONS, *STORES, *LOADS, "pump_map", "speed_source", "tank"} - {"relaxing"}
+    assert here | set(ELSEWHERE) == set(ELEMENTS)
+    for kind, file in ELSEWHERE.items():
+        text = Path(__file__).with_name(file).read_text(encoding="utf-8")
+        assert kind in text
+        assert "energy_balance_error" in text or "check(" in text
 
 
 @pytest.mark.parametrize("place", PLACES)

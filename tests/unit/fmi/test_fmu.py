@@ -443,6 +443,30 @@ def test_ripple_is_that_of_the_run_at_its_angles(monkeypatch: pytest.MonkeyPatch
     np.testing.assert_allclose(ripple, 3e-6 * np.sin(5.0 * at + 0.4), atol=1e-8)
 
 
+@pytest.mark.parametrize(("case", "pitches"), [("egm12_motor", 12), ("gerotor_trochoidal", 6)])
+def test_tables_reach_up_to_the_operating_point_over_one_pitch_of_the_shaft(
+    case: str,
+    pitches: int,
+    samples: Samples,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A shaft of six inner lobes meets the same state six times, whatever its pockets."""
+    given: list[Any] = []
+
+    def tables(_: Any, pressures: list[float], speeds: list[float], teeth: int) -> None:
+        given[:] = [max(pressures), max(speeds), teeth]
+        raise InterruptedError
+
+    monkeypatch.setattr(export, "tables_of", tables)
+    with pytest.raises(InterruptedError):
+        ts.export_fmu(case, tmp_path / "unit.fmu")
+    at = load_case(case).operating_point
+    assert at is not None
+    difference = abs(at.outlet_pressure - at.inlet_pressure)
+    assert given == [pytest.approx(difference), pytest.approx(at.shaft_speed), pitches]
+
+
 def test_teeth_that_differ_are_tabulated_one_by_one() -> None:
     angle = np.arange(STEPS) * (2.0 * np.pi / STEPS)
     even, numbers = np.sin(12.0 * angle), machine(1.0, 1.0, 1.0) | {"displacement": DISPLACEMENT}

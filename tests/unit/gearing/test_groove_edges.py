@@ -87,6 +87,12 @@ def test_an_edge_stays_within_its_groove() -> None:
     said = r"closing_side_angle: found 30 deg, with which the edge leaves the groove, allowed less"
     with pytest.raises(CaseError, match=said):
         case.replace({f"{KEYS}.closing_side_angle": "30 deg"})
+    extent = case.machine.relief_grooves.radial_extent
+    steepest = np.rad2deg(np.arctan(2e-3 / (0.5 * extent)))
+    inside = case.replace({f"{KEYS}.closing_side_angle": f"{0.99 * steepest} deg"})
+    assert inside.machine.relief_grooves.closing_side_angle > 0.0
+    with pytest.raises(CaseError, match=said.split(":")[0]):
+        case.replace({f"{KEYS}.closing_side_angle": f"{1.01 * steepest} deg"})
     said = r"opening_side_bow: found 2\.5 mm, with which the edge leaves the groove, allowed less"
     with pytest.raises(CaseError, match=said):
         case.replace({f"{KEYS}.opening_side_bow": "2.5 mm"})

@@ -1,5 +1,6 @@
 import struct
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -224,6 +225,19 @@ def test_bodies_and_plane_of_stl(tmp_path):
 
 
 @pytest.mark.slow
+def test_bodies_beside_the_plane_are_cut_at_their_middle_where_asked(tmp_path):
+    import trimesh
+
+    low, high = (trimesh.creation.box((size, size, 10.0)) for size in (20.0, 10.0))
+    high.apply_translation((0.0, 0.0, 30.0))
+    path = tmp_path / "two.stl"
+    trimesh.util.concatenate([low, high]).export(path)
+    request = SectionRequest("z", 1e-3)
+    assert [cut.height for cut in load_body_sections(path, 1e-3, request)] == [1e-3]
+    both = load_body_sections(path, 1e-3, replace(request, missed=True))
+    assert [cut.height for cut in both] == pytest.approx([1e-3, 30e-3])
+
+
 def test_plane_of_step(tmp_path):
     export_gear(generate_profile(UNDERCUT, 60), tmp_path / "gear.step", 7.5e-3)
     text = (tmp_path / "gear.step").read_text()

@@ -71,8 +71,8 @@ def test_volumes_are_those_of_slices_of_one_hand() -> None:
 def test_helical_teeth_are_generated() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
-    with pytest.raises(CaseError, match="profile"):
-        ts.load_case(HELICAL, ("machine.pinion.profile=gear.csv",))
+    with pytest.raises(CaseError, match="leave this key out with a helix_angle"):
+        ts.load_case(HELICAL, ("machine.pinion.profile=[[0, 0], [1, 0], [0, 1]]",))
 
 
 def test_a_tooth_space_that_joins_both_ports_is_named() -> None:

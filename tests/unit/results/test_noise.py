@@ -135,6 +135,24 @@ def test_a_soft_pair_follows_its_spring_and_is_loudest_at_resonance() -> None:
     assert power[2] / calmer[2] == pytest.approx(4.0)
 
 
+def test_a_casing_pressed_along_a_line_narrows_across_it() -> None:
+    """Radial motion m + q P2: one along the line, minus Poisson's ratio 0.3 across it."""
+    m, q = np.linalg.solve([[1.0, 1.0], [1.0, -0.5]], [1.0, -0.3])
+    order, force = 60.0, 80.0
+    pair = {"pair": np.array([complex(force)])}
+    net = {name: np.zeros(1, dtype=complex) for name in (NET_X, NET_Y, NET_MOMENT)}
+    omega = order * SPEED
+    number = omega / SOUND_SPEED
+    sigma = {n: float(sphere_radiation_efficiency(n, number, CASING.radius)) for n in (0, 2)}
+    shape = m**2 * sigma[0] + q**2 / 5.0 * sigma[2]
+    soft = abs(1.0 - (omega / CASING.resonance) ** 2 + 1j * CASING.loss_factor)
+    velocity = 0.5 * omega * force / (CASING.stiffness * soft)
+    expected = AIR_DENSITY * SOUND_SPEED * CASING.surface * shape * 0.5 * velocity**2
+    forces = CasingForces(np.array([order]), SPEED, pair, {}, net)
+    found = sound_powers(forces, CASING, None)["deformation"]
+    assert float(found[0]) == pytest.approx(expected, rel=1e-9)
+
+
 def test_feet_on_a_stiff_plate_feel_the_blocked_forces() -> None:
     forces = only(30.0, **{NET_X: 4.0, NET_Y: 6.0, NET_MOMENT: 1.5})
     lift, tilt = blocked_foot_forces(forces, PLATE)

@@ -55,6 +55,7 @@ def without_times(result: StudyResult) -> xr.Dataset:
 
 
 @posix
+@pytest.mark.slow
 def test_a_worker_that_is_killed_changes_nothing(tmp_path: Path) -> None:
     local = run_study(sweep())
     with (
@@ -211,6 +212,7 @@ def test_results_are_written_beside_a_client(threads: LocalCluster, tmp_path: Pa
 
 
 @posix
+@pytest.mark.slow
 def test_a_point_that_exhausts_its_worker_fails_alone() -> None:
     """The nanny ends a worker beyond its memory; the other points are done by another one."""
 

@@ -88,8 +88,8 @@ class DesignValues:
         return np.nan_to_num(self["gears.helix_angle"])
 
     def parts(self) -> Iterator[DesignValues]:
-        """Parts small enough for the cache of a processor."""
-        for start in range(0, self.size, _CHUNK):
+        """Parts small enough for the cache of a processor; an empty one where there are none."""
+        for start in range(0, max(self.size, 1), _CHUNK):
             chosen = slice(start, start + _CHUNK)
             yield DesignValues(self.machine, {k: v[chosen] for k, v in self.varied.items()})
 
@@ -390,7 +390,7 @@ def evaluate_designs(
     with np.errstate(all="ignore"):
         for continuous in (False, True):
             where = np.flatnonzero((families != "involute") == continuous)
-            if where.size == 0:
+            if continuous and where.size == 0:
                 continue
             chosen = DesignValues(machine, {path: x[where] for path, x in varied.items()})
             places.append(where)
@@ -422,7 +422,8 @@ def _continuous(
         )
         for k, family in enumerate(families)
     ]
-    numbers = {name: np.array([row[name] for row, _ in rows]) for name in rows[0][0]}
+    names = dict.fromkeys(name for row, _ in rows for name in row)
+    numbers = {name: np.array([row.get(name, np.nan) for row, _ in rows]) for name in names}
     reasons = np.array([bits for _, bits in rows], dtype=np.int64)
     return EvaluatedDesigns(numbers, np.zeros_like(reasons)).refused(reasons)
 
@@ -434,14 +435,6 @@ def _continuous_numbers(
     addendum: float | None,
     displacement: float | None,
 ) -> tuple[dict[str, float], int]:
-    names = {
-        "displacement_cm3_per_rev", "flow_ripple_percent", "flow_ripple_dual_percent",
-        "contact_ratio", "overlap_ratio", "trapped_volume_mm3", "dead_volume_mm3",
-        "trapped_volume_change_mm3", "tip_land_mm", "root_clearance_mm", "center_distance_mm",
-        "normal_backlash_mm", "operating_pressure_angle_deg", "base_diameter_mm",
-        "tip_diameter_mm", "face_width_mm", "envelope_cm3",
-    }  # fmt: skip
-    nothing = dict.fromkeys(sorted(names), np.nan)
     kept = ("tooth_count", "module", "helix_angle", "face_width", "normal_backlash")
     shape = SHAPE_KEYS.get(family, ())
     given = {name: varied.get(name, getattr(own, name)) for name in (*kept, *shape)}
@@ -460,9 +453,9 @@ def _continuous_numbers(
         gear = keys.continuous_gear()
         gear.check()
     except GeometryError:
-        return nothing, int(DesignReason.CONTINUOUS)
+        return {}, int(DesignReason.CONTINUOUS)
     except CaseError:
-        return nothing, int(DesignReason.OUT_OF_RANGE)
+        return {}, int(DesignReason.OUT_OF_RANGE)
     width = given["face_width"]
     if displacement is not None:
         width = displacement / gear.displacement_per_radian(1.0)
@@ -470,7 +463,7 @@ def _continuous_numbers(
     ripple = 100.0 * gear.flow_ripple(float(overlap))
     tip, distance = gear.tip_radius, 2.0 * gear.reference_radius
     root = np.hypot(*gear.points(gear.pieces()[0](np.zeros(1)), mate=True)[0])
-    numbers = nothing | {
+    numbers = {
         "displacement_cm3_per_rev": 2e6 * np.pi * gear.displacement_per_radian(width),
         "flow_ripple_percent": ripple,
         "flow_ripple_dual_percent": ripple,
