@@ -13,6 +13,7 @@ left out:
 ``span/``           study ``contact_span``
 ``wear/``           study ``wear_egm12_pump``
 ``noise/``          study ``noise_comparison``
+``robust/``         study ``quiet_pump_robust``
 =================== ======================================================================
 """
 
@@ -57,6 +58,7 @@ STUDIES = {
     "span": ("contact_span", "contact_span", "contact_span"),
     "wear": ("wear", "wear", "wear"),
     "noise": ("noise", "noise", "noise"),
+    "robust": ("optimise", "search", "robust_search"),
 }
 
 

@@ -128,6 +128,10 @@ def test_script_of_a_page_runs(page: Path, workplace: Path) -> None:
         writer.Write("bushing.step")
     if page.stem == "surrogates":
         pytest.importorskip("sklearn", reason="surrogates need the extra design")
+    if page.stem == "design_a_pump":  # a front of one design
+        row = "point,machine.relief_grooves.closing_side_angle\n7,10 deg\n"
+        (workplace / "contours").mkdir()
+        (workplace / "contours" / "front.csv").write_text(row, encoding="utf-8")
     if page.stem == "simulate_a_system":
         pytest.importorskip("fmpy", reason="running units needs the extra fmi")
         assert cli.main(["fmu", "cases/egm12_pump.toml", "-o", "pump.fmu"]) == 0
@@ -180,8 +184,9 @@ def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
         elif words[0] == "export" and words[1] == "map/study.nc":
             few = ['study.shaft_speed=["1500 rpm"]', 'study.pressure_difference=["100 bar"]']
             given = [word for one in few for word in ("--set", one)]
-            assert cli.main(["study", "efficiency_map_egm12", "-o", "map", *given]) == 0
-            assert cli.main(words) == 0
+            if not Path("map").is_dir():
+                assert cli.main(["study", "efficiency_map_egm12", "-o", "map", *given]) == 0
+            assert cli.main([*words, "--force"]) == 0
         elif words[0] != "warmup":
             assert cli.main([*words, *(["--force"] if " ".join(words) in done else [])]) == 0, words
         done.add(" ".join(words))
