@@ -34,7 +34,7 @@ from toothspace.floating.coupling import PointRequest, couple_point
 from toothspace.floating.motion import Balance
 from toothspace.floating.problem import LateralProblem, LateralTrack, lateral_problem
 from toothspace.run.elastic import lateral_settings
-from toothspace.run.run import Run
+from toothspace.run.run import Marches, Run
 
 CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
 GRIDS = ((280, 26), (560, 52), (812, 74))
@@ -72,7 +72,7 @@ def prepare() -> Setting:
     point = couple_point(
         run.machine,
         run.fluid,
-        run.repeated(),
+        Marches(run),
         PointRequest(settings=lateral_settings(case), start=START),
     )
     if not (point.equilibrium.settled and point.agreed):

@@ -40,7 +40,7 @@ from toothspace.model.lateral_table import (
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
 from toothspace.run import run as run_module
-from toothspace.run.run import Run, SeatSearch
+from toothspace.run.run import Marches, Run, SeatSearch
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 
@@ -212,7 +212,7 @@ def test_one_node_is_a_machine_of_other_gaps(run: Run) -> None:
 def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(run: Run) -> None:
     coarse = replace(run.case.run, samples_per_revolution=60, max_revolutions=2)
     ready = replace(run, case=replace(run.case, run=coarse)).worn().with_films()
-    march, tables = ready.repeated(), (None, one_node(), Films().table())
+    march, tables = Marches(ready), (None, one_node(), Films().table())
     runs = [march(replace(ready.machine, lateral_table=table)) for table in tables]
     plain, same, films = (one.summary() for one in runs)
     for name in ("mean_torque_N_m", "mean_flow_L_per_min", "torque_loss_lateral_viscous_N_m"):

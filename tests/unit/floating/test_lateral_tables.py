@@ -180,7 +180,7 @@ def test_reduction_goes_over_pressures_and_speeds(
     monkeypatch.setattr(reduce, "load_shares", spanned)
     monkeypatch.setattr(reduce, "reduce_lateral", solved)
     monkeypatch.setattr(Run, "worn", lambda run, _: replace(run, machine=motor[1]))
-    monkeypatch.setattr(Run, "repeated", lambda run: lambda _: run.condition)
+    monkeypatch.setattr(reduce, "Marches", lambda run: lambda _: run.condition)
     prepared = api.prepare(motor[0])
     tables = reduce.reduce_lateral_films(prepared, None, ([2e7, 5e6], [150.0, 10.0]))
     at = {"lateral_pressure_difference": 5e6, "lateral_shaft_speed": 150.0}

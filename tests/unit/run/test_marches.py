@@ -26,5 +26,5 @@ def test_a_march_of_other_parts_begins_anew() -> None:
     march = Marches(run)
     march(run.machine)
     other = ts.prepare(case.replace({"machine.bearing_blocks": None}))
-    found = other.repeated(None, march.last)(other.machine)
+    found = Marches(other, None, march.last)(other.machine)
     assert found.status.succeeded
