@@ -61,7 +61,7 @@ def test_a_search_finds_the_front(calls: list[Case], tmp_path: Path) -> None:
     assert len(calls) == count
     assert again.numbers["front"] == result.numbers["front"]
     assert (tmp_path / "front.csv").is_file()
-    assert study_report_html(result).count("<figure") == 2
+    assert study_report_html(result).count("<figure") == 3
     assert result.to_dataframe()["front"].sum() == result.numbers["front_count"]
 
 
