@@ -397,7 +397,7 @@ def plate_near_field_power(square_force: Any, mass_per_area: float) -> Any:
 
     Notes
     -----
-    .. math:: W = \frac{\rho_0 \overline{F^2}}{2 \pi c_0 m''^2}
+    .. math:: W = \frac{\rho_0 \overline{F^2}}{2 \pi c_0 {m''}^2}
 
     Validity: well below the critical frequency. It does not hang on the damping of the plate.
 
