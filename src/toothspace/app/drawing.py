@@ -57,10 +57,11 @@ def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
     described = machine_type(case.machine_type).describe
     spec = case.machine_spec
     description = described(spec) if nodes is None else described(spec, nodes)
+    beside = side_view(case, description)
     return {
         "section": section(description),
-        "side": side_view(case, description).parts,
-        "handles": handles_of(case, description),
+        "side": beside.parts,
+        "handles": handles_of(case, description, beside),
         "numbers": plain(description.geometry_summary),
         "closed": closed_form_of(case),
         "openings": openings(description),

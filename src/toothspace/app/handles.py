@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.advice import gear_rules
-from toothspace.app.side_view import side_view
+from toothspace.app.side_view import SideView
 from toothspace.case import Case
 from toothspace.core.keys import Bounded, Integer, QuantityKey, Table, keys_of
 from toothspace.core.types import Array
@@ -26,13 +26,16 @@ _MOTION_OF_GROOVES = {"closing_side_offset": "outlet", "opening_side_offset": "i
 """Port on whose side the edge of a groove lies: the trapped volume shrinks into the outlet."""
 
 
-def handles_of(case: Case, description: MachineDescription) -> list[dict[str, Any]]:
+def handles_of(
+    case: Case, description: MachineDescription, beside: SideView
+) -> list[dict[str, Any]]:
     """Numbers of machine, fluid and condition that a case gives, with their place if they have one.
 
     Values are in the unit of the key; places in mm of the section: ``line`` moves along a
-    direction [mm per unit], ``arc`` round a centre [rad per unit].
+    direction [mm per unit], ``arc`` round a centre [rad per unit]. Those of the side view come
+    with it.
     """
-    places = side_view(case, description).places | dict(_places(case, description))
+    places = beside.places | dict(_places(case, description))
     found = [
         _handle(path, key, value, places.get(path))
         for path, key, value, given in _numbers(case)
@@ -86,13 +89,9 @@ def _land_place(name: str, description: MachineDescription) -> dict[str, Any]:
     """Edge of a kidney beside a land, counted from the line of centres towards the inlet."""
     contour = description.outlines["port_inlet"]
     at_largest = name == _LANDS[0]
-    return {
-        "kind": "arc",
-        "center": [0.0, 0.0],
-        "radius": _MM * 0.5 * float(np.hypot(*contour.T).min() + np.hypot(*contour.T).max()),
-        "zero": 0.5 * math.pi if at_largest else -0.5 * math.pi,
-        "turn": -math.radians(1.0) if at_largest else math.radians(1.0),
-    }
+    radius = 0.5 * float(np.hypot(*contour.T).min() + np.hypot(*contour.T).max())
+    zero, turn = (0.5 * math.pi, -1.0) if at_largest else (-0.5 * math.pi, 1.0)
+    return _arc((0.0, 0.0), radius, turn, zero)
 
 
 def closed_form_of(case: Case) -> dict[str, Any] | None:
@@ -261,16 +260,7 @@ def _filler_places(
     tip = float(np.hypot(*description.outlines[pinion.name].T).max())
     for table, end in (("filler", "angle"), ("ports", "start")):
         for port, turn in (("inlet", 1.0), ("outlet", -1.0)):
-            yield (
-                f"machine.{table}.{port}_{end}",
-                {
-                    "kind": "arc",
-                    "center": [_MM * x for x in pinion.center],
-                    "radius": _MM * tip,
-                    "zero": 0.5 * math.pi,
-                    "turn": turn * math.radians(1.0),
-                },
-            )
+            yield f"machine.{table}.{port}_{end}", _arc(pinion.center, tip, turn)
 
 
 def _groove_places(path: str, outline: Array) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -299,16 +289,20 @@ def _port_places(
     body = description.bodies[0]
     radius = float(np.hypot(*description.outlines[body.name].T).max())
     for port, turn in (("inlet", 1.0), ("outlet", -1.0)):
-        yield (
-            f"machine.casing.{port}_angle",
-            {
-                "kind": "arc",
-                "center": [_MM * x for x in body.center],
-                "radius": _MM * radius,
-                "zero": 0.5 * math.pi,
-                "turn": turn * math.radians(1.0),
-            },
-        )
+        yield f"machine.casing.{port}_angle", _arc(body.center, radius, turn)
+
+
+def _arc(
+    center: tuple[float, float], radius: float, turn: float, zero: float = 0.5 * math.pi
+) -> dict[str, Any]:
+    """Handle on a circle [m] that turns by so many degrees for each of its key, from an angle."""
+    return {
+        "kind": "arc",
+        "center": [_MM * x for x in center],
+        "radius": _MM * radius,
+        "zero": zero,
+        "turn": turn * math.radians(1.0),
+    }
 
 
 def _line(point: tuple[float, float], direction: tuple[float, float]) -> dict[str, Any]:

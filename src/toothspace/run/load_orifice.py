@@ -165,8 +165,8 @@ def march_against_orifice(
     if held is None:
         condition = with_held_outlet(system.condition)
         under = system.under(condition)
-        held = march_near(under, plan, progress) or march_held(under, plan, progress)
-        if outlet_balance(held).delivered <= 0.0:
+        held = march_near(under, plan, progress)
+        if held is None or outlet_balance(held).delivered <= 0.0:
             held = march_held(under, plan, progress)
     if held.status in CUT_SHORT:
         return held, ""

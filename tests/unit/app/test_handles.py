@@ -51,7 +51,9 @@ def described(case: Case) -> MachineDescription:
 
 
 def handles(case: Case) -> dict[str, Any]:
-    return {one["path"]: one for one in handles_of(case, described(case))}
+    description = described(case)
+    found = handles_of(case, description, side_view(case, description))
+    return {one["path"]: one for one in found}
 
 
 @pytest.fixture(scope="module")
