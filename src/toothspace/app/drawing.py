@@ -16,6 +16,7 @@ from toothspace.case import Case
 from toothspace.core.files import plain
 from toothspace.core.registry import machine_type
 from toothspace.core.types import Array
+from toothspace.geometry.curve import enclosed
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.geometry import opening_area, openings_of
 from toothspace.plotting.section import (
@@ -92,7 +93,7 @@ def section(description: MachineDescription, shaft_angle: float = 0.0) -> dict[s
                 "name": body.name,
                 "center": _points(np.array([body.center]))[0],
                 "ratio": body.speed_ratio,
-                "outline": _rings(_cut(description.outlines[body.name])),
+                "outline": _rings(enclosed([description.outlines[body.name]])[0]),
                 "journal": next(
                     (_MM * j.diameter for j in description.journals if j.body == body.name), None
                 ),
@@ -184,33 +185,24 @@ def drawn_bodies(
 
 
 def _drawn(file: Path, cut: BodySection, kind: str, gear: FoundGear | None) -> dict[str, Any]:
+    import shapely
+
     return {
         "file": file.name,
         "body": cut.body,
         "name": cut.name,
         "kind": kind,
         "teeth": None if gear is None else gear.detected.profile.tooth_count,
-        "outlines": [_points(_thinned(curve)) for curve in cut.curves],
+        "outlines": [
+            _points(np.asarray(shapely.LinearRing(curve).simplify(_TURNING_ERROR).coords))
+            for curve in cut.curves
+        ],
     }
-
-
-def _thinned(curve: Array) -> Array:
-    """Fewer points of a closed curve, as many as a screen shows. [m]."""
-    import shapely
-
-    return np.asarray(shapely.LinearRing(curve).simplify(_TURNING_ERROR).coords)
 
 
 def rounded(values: Any, digits: int = 6) -> list[float | None]:
     """Return numbers with so many significant digits, None where there is none."""
     return [float(f"{x:.{digits}g}") if math.isfinite(x) else None for x in np.ravel(values)]
-
-
-def _cut(outline: Array) -> Any:
-    from toothspace.geometry.curve import enclosed
-
-    (region,) = enclosed([outline])
-    return region
 
 
 def _rings(region: Any, error: float = _DRAWN_ERROR) -> list[list[list[float]]]:

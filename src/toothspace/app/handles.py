@@ -46,9 +46,10 @@ def handles_of(
 
 def _handle(path: str, key: Any, value: float, place: Any) -> dict[str, Any]:
     low, high = _range(key, value)
+    words = ", ".join(path.removeprefix("machine.").split(".")).replace("_", " ")
     return {
         "path": path,
-        "label": _label(path),
+        "label": words[:1].upper() + words[1:],
         "doc": key.doc,
         "unit": key.unit if isinstance(key, QuantityKey) else "",
         "whole": isinstance(key, Integer),
@@ -165,13 +166,6 @@ def _range(key: Any, value: float) -> tuple[float, float]:
     if own > 0.0 and least <= 0.0:
         low = max(low, 0.05 * own)
     return max(low, least), min(high, most)
-
-
-def _label(path: str) -> str:
-    """Key path in plain words, without the name of the table of tables."""
-    words = path.removeprefix("machine.").split(".")
-    text = ", ".join(word.replace("_", " ") for word in words)
-    return text[:1].upper() + text[1:]
 
 
 def _places(case: Case, description: MachineDescription) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -300,7 +300,13 @@ def _dataset(study: NoiseStudy, names: Sequence[str], records: Sequence[Record])
     for name in radiators[:-1]:
         power = np.array([found[name].sum() for found in weighted])
         by_design[f"{name}_power_level_dBA"] = (sound_power_level(power), "dB")
-    drawn = np.array([structure.changed(f).levels(sources) for f in _draws(structure, study)])
+    # all free parameters at once: a Latin hypercube over the logarithms of their factors
+    shares = unit_samples(len(structure.free), "latin_hypercube", _DRAWS, _SEED)
+    draws = [
+        dict(zip(structure.free, row.tolist(), strict=True))
+        for row in study.spread ** (2.0 * shares - 1.0)
+    ]
+    drawn = np.array([structure.changed(factors).levels(sources) for factors in draws])
     for name, values in (("sound_power_level", drawn), ("difference", drawn - drawn[:, :1])):
         suffix = "dBA" if name == "sound_power_level" else "dB"
         low, high = np.percentile(values, (5.0, 95.0), axis=0)
@@ -352,14 +358,6 @@ def _dataset(study: NoiseStudy, names: Sequence[str], records: Sequence[Record])
             "order": most,
         },
     )  # fmt: skip
-
-
-def _draws(structure: _Structure, study: NoiseStudy) -> list[dict[str, float]]:
-    """Factors of all free parameters at once: a Latin hypercube over their logarithms."""
-    free = structure.free
-    shares = unit_samples(len(free), "latin_hypercube", _DRAWS, _SEED)
-    factors = study.spread ** (2.0 * shares - 1.0)
-    return [dict(zip(free, row.tolist(), strict=True)) for row in factors]
 
 
 _FLOOR, _LEAST_DRAWN = 60.0, 1e-3

@@ -293,7 +293,11 @@ def fit_surrogate(study: str | Path | xr.Dataset, names: Sequence[str] = ()) -> 
     >>> surrogate = ts.fit_surrogate("clearances", ["volumetric_efficiency"])  # doctest: +SKIP
     >>> surrogate.predict({"machine.lateral.side_gap": "8 um"})  # doctest: +SKIP
     """
-    data = _dataset(study)
+    data = study
+    if isinstance(data, str | Path):
+        path = Path(data)
+        path = path / "study.nc" if path.is_dir() else path
+        data = read_dataset(path, "the folder of a finished study, or its study.nc")
     keys = tuple(
         str(name)
         for name in data.variables
@@ -325,14 +329,6 @@ def fit_surrogate(study: str | Path | xr.Dataset, names: Sequence[str] = ()) -> 
 
 def _array(value: Any) -> Any:
     return np.array(value) if isinstance(value, list) else value
-
-
-def _dataset(study: str | Path | xr.Dataset) -> xr.Dataset:
-    if not isinstance(study, str | Path):
-        return study
-    path = Path(study)
-    path = path / "study.nc" if path.is_dir() else path
-    return read_dataset(path, "the folder of a finished study, or its study.nc")
 
 
 def _in_unit(value: Any, unit: str) -> float:

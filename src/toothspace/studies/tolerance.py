@@ -112,8 +112,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     wanted = {f"study.limits.{name}": name for name in study.limits or {}}
     require_known(wanted, case.label, over_time=case.circuit is not None)
     axes = axes_of(study.vary, case.label, case)
-    if study.scrap_rate is not None:
-        _require_spans(axes, case.label)
+    for axis in () if study.scrap_rate is None else axes:
+        if axis.values or not math.isfinite(axis.low + axis.high):
+            allowed = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
+            found = "a list, or no limits"
+            raise CaseError(f"study.vary.{axis.path}", found, allowed).in_file(case.label)
     indices = study.sensitivity == "sobol_indices"
     keys = [axis.path for axis in axes]
     dimensions = 2 * len(keys) if indices else len(keys)
@@ -232,14 +235,6 @@ def scrap(limits: Mapping[str, Limit], records: Sequence[Record]) -> dict[str, A
 _DRAWN = 4096
 """Machines drawn from the surrogate for one scrap rate."""
 _SMALLEST_FACTOR = 0.01
-
-
-def _require_spans(axes: Sequence[Axis], label: str) -> None:
-    for axis in axes:
-        if axis.values or not math.isfinite(axis.low + axis.high):
-            allowed = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
-            found = "a list, or no limits"
-            raise CaseError(f"study.vary.{axis.path}", found, allowed).in_file(label)
 
 
 def allowed_tolerances(

@@ -156,14 +156,10 @@ def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLater
             outer_radius=profile.tip_radius,
             tooth_area_fraction=tooth_fraction(profile),
             tilt=lateral.tilt,
-            face=Lazy(partial(_face_of_film, assembly, numbering, gear, height)),
+            face=Lazy(partial(film_face, FaceOfGear(assembly, numbering, gear), height)),
         )
         for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
     )
-
-
-def _face_of_film(assembly: Assembly, numbering: Numbering, gear: int, height: float) -> FilmFace:
-    return film_face(FaceOfGear(assembly, numbering, gear), height)
 
 
 def film_face(face: FaceOfGear, gap: float) -> FilmFace:
