@@ -114,8 +114,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     axes = axes_of(study.vary, case.label, case)
     for axis in () if study.scrap_rate is None else axes:
         if axis.values or not math.isfinite(axis.low + axis.high):
-            wanted = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
-            problem = CaseError(f"study.vary.{axis.path}", "a list, or no limits", wanted)
+            ranges = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
+            problem = CaseError(f"study.vary.{axis.path}", "a list, or no limits", ranges)
             raise problem.in_file(case.label)
     indices = study.sensitivity == "sobol_indices"
     keys = [axis.path for axis in axes]
