@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from toothspace.core import units
 from toothspace.core.keys import QuantityKey
 from toothspace.core.registry import machine_type
 from toothspace.core.types import Array
+from toothspace.geometry.curve import signed_area
 from toothspace.model.arrays import GAP, POSSIBLE
 from toothspace.model.contact_data import compliant_table
 from toothspace.model.description import MachineDescription
@@ -151,6 +152,104 @@ def test_flanks_may_touch_at_every_size() -> None:
         np.testing.assert_array_equal(tables[1][:, POSSIBLE], tables[0][:, POSSIBLE])
         least = tables[1][:, GAP].min()
         assert tables[1][tables[1][:, GAP] < least + 1e-3, POSSIBLE].all(), two.name
+
+
+CHANNELS = {"orifice": (2, 1), "parallel_gap": (1, 1, 1), "curved_gap": (1, 1, 1)}
+"""Powers of the size with which the channels of a path grow."""
+BY_MOTION = {"x": 0, "y": 0, "z": 0, "rotation": 1}
+"""Powers of a length over a micro-motion."""
+OWN_SCALE = {
+    "": ("trapped pressure, estimate", "short circuit through the chambers"),
+    "gerotor_trochoidal": (
+        "contact_ratio", "sealed_shaft_angle_deg", "trapped_volume_mm3",
+        "volume change of a sealed pocket over the largest pocket",
+    ),
+}  # fmt: skip
+"""What has an oil and a speed of its own, or counts up to a gap of so many micrometres."""
+
+
+def sizes(machine: MachineDescription) -> Iterator[tuple[str, Any, Any]]:
+    """Numbers of a machine by name, and the powers with which they grow with its size."""
+    motions = np.array([BY_MOTION[motion.axis] for motion in machine.motions])
+    yield "displacement", machine.displacement, 3
+    yield "port volumes", machine.port_volumes, 3
+    yield "seal torque", machine.seal_torque, 3
+    for part, powers in (
+        *(
+            (body, {"center": 1, "mass": 3, "inertia": 5, "wetted_area": 2})
+            for body in machine.bodies
+        ),
+        *(
+            (journal, dict.fromkeys(("diameter", "length", "radial_clearance", "roughness"), 1))
+            for journal in machine.journals
+        ),
+        *(
+            (film, dict.fromkeys(("height", "inner_radius", "root_radius", "outer_radius"), 1))
+            for film in machine.laterals
+        ),
+    ):
+        label = getattr(part, "name", getattr(part, "body", ""))
+        for name, power in powers.items():
+            yield f"{label}: {name}", getattr(part, name), power
+    for film in machine.laterals:
+        yield f"{film.body}: tooth area", film.tooth_area_fraction, 0
+        yield f"{film.body}: drag", film.drag or 0.0, 3
+    for family in machine.families:
+        yield f"{family.name}: volume", family.volume.values, 3
+        yield f"{family.name}: phases", family.phases, 0
+        yield f"{family.name}: force", family.volume_by_motion.values, 2 + motions
+    for path in machine.paths:
+        yield f"{path.name}: geometry", path.geometry.values, CHANNELS[path.kind]
+        yield f"{path.name}: phases", path.phases, 0
+        yield f"{path.name}: throat speed", path.throat_speed, 1
+        for name, power in (("height_by_motion", motions), ("drag_speed", 1), ("shear_speed", 1)):
+            if (table := getattr(path, name)) is not None:
+                yield f"{path.name}: {name}", table.values, power
+    for contact in machine.contacts:
+        yield f"{contact.name}: geometry", contact.geometry.values, (1, 0, 1, 1, 1, 1)
+        yield f"{contact.name}: gap", contact.gap_by_motion.values, motions
+        yield f"{contact.name}: width", contact.width, 1
+        if contact.slip_by_motion is not None:
+            yield f"{contact.name}: slip", contact.slip_by_motion.values, motions
+        if contact.gap_by_shift_and_turn is not None:
+            yield f"{contact.name}: bend", contact.gap_by_shift_and_turn.values, (-1, 0, 1)
+    if machine.mesh is not None:
+        yield "mesh: lever", machine.mesh.lever, 1
+        yield "mesh: ties", machine.mesh.coefficients, motions - 1
+    for name, value in machine.geometry_summary.items():
+        unit = re.search(r"_(mm|um|mm2|mm3|cm3)(_per_rev)?$", name)
+        if isinstance(value, float):
+            yield name, value, power_of(unit[1]) if unit else 0
+    for check in machine.checks:
+        yield check.name, check.value, power_of(check.unit) if check.unit.strip("1%") else 0
+    for name, outline in machine.outlines.items():
+        yield f"area within {name}", signed_area(outline), 2
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"), [("egm12_pump", 6.0), ("crescent_pump", 2.0), ("gerotor_trochoidal", 2.0)]
+)
+def test_all_that_is_known_of_a_machine_grows_with_its_size(name: str, factor: float) -> None:
+    """Lengths as the factor, areas, volumes, masses and moments with their powers of it.
+
+    Tables agree but for 2 % of their entries: points where flanks face away.
+    """
+    found: list[dict[str, Any]] = []
+    for scale in (1.0, factor):
+        known = sizes(api.describe(sized(name, scale)))
+        found.append(
+            {
+                label: np.asarray(value, float) / scale ** np.asarray(p, float)
+                for label, value, p in known
+            }
+        )
+    small, large = found
+    assert list(small) == list(large)
+    for label in small.keys() - {*OWN_SCALE[""], *OWN_SCALE.get(name, ())}:
+        error = np.abs(large[label] - small[label])
+        size = np.abs(small[label])
+        allowed = np.maximum(1e-3 * size.max(axis=0), 1e-6 * size.max())  # zero but for round-off
+        assert np.mean(error > allowed) <= 0.02, label
 
 
 def pump_that_turns(sense: int, backlash: str) -> Case:
