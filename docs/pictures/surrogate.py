@@ -35,7 +35,7 @@ def draw(folder: str) -> None:
     low, high = surrogate.low[place], surrogate.high[place]
     gaps = np.linspace(low, high, 81)
     found = surrogate.predict({**AT, GAP: gaps.tolist()})
-    case = ts.load_case("egm12_pump").replace(AT)
+    case = ts.load_case("tolerance_clearances").replace({**AT, "study": None})
     checked = np.linspace(low, high, 5)
     runs = [ts.simulate(case.replace({GAP: f"{gap} um"})).summary() for gap in checked]
     figure = new_figure(7.2, 2.9)
