@@ -31,6 +31,7 @@ from toothspace.model.arrays import CLEARANCE, GAP, POSSIBLE
 from toothspace.model.assembly import System, assemble
 from toothspace.model.contact_data import compliant_table
 from toothspace.model.description import MachineDescription
+from toothspace.results.performance import means_by_label
 from toothspace.results.solution import Solution
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.initial import start_state
@@ -340,6 +341,14 @@ def test_a_short_run_grows_with_its_machine(name: str) -> None:
         expected = values.values * factor ** power_of(unit)
         error = np.mean(np.abs(other.data[label].values - expected))
         assert error <= tolerance * np.abs(expected).max(), label
+    # what paths lose is what they leak from port to port, and what walls drag against pressure
+    span = abs(float(one.data["outlet_pressure"].mean() - one.data["inlet_pressure"].mean()))
+    speed, duration = float(one.data["shaft_speed"].mean()), one.ledger.duration
+    lost = means_by_label(one.data, "equivalent_leakage"), means_by_label(one.data, "drag_torque")
+    for path, leaking in lost[0].items():
+        power = one.ledger.energy[path] / duration
+        allowed = 0.03 * one.ledger.loss_energy / duration
+        assert span * leaking + speed * lost[1][path] == pytest.approx(power, abs=allowed), path
     scale = abs(one.ledger.shaft_energy), max(one.ledger.mass.values())
     for kept, found, size in zip(
         (one.ledger.energy, one.ledger.mass),
