@@ -6,7 +6,7 @@ half-written under a final name, no draft of a finished command, every result, c
 readable, no process left, and ``study --resume`` completes with the numbers of a study that was not
 ended. ``cluster`` is the study on the workers of a Dask scheduler, which outlive it, and ``page``
 the server of ``toothspace app`` while a run is under way, which a later server calls stopped.
-A signal to Python before it has read the first file of the package is Python's to answer.
+A signal to Python while it still reads the first files of the package is Python's to answer.
 Then limits on the size of files, full disks and temporary folders, folders that cannot be
 written, damaged caches, caches from the future, two processes on one cache, and too little
 memory. The exit code is the number of faults that did harm.
@@ -213,7 +213,7 @@ def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -
         found = [f"process {one.pid} is left" for one in left]
         for one in left:
             one.kill()
-        begun = "toothspace" in messages or not messages.endswith("KeyboardInterrupt\n")
+        begun = ", in main\n" in messages or not messages.endswith("KeyboardInterrupt\n")
         if begun and end != signal.SIGKILL and ("Traceback" in messages or code in (1, 70, -11)):
             found.append(f"code {code}: {messages[-300:]}")
         found += harm(folder, killed=end == signal.SIGKILL)

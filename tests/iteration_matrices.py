@@ -10,13 +10,18 @@ from toothspace.solver import compiled_model
 from toothspace.solver.compiled_model import evaluate_state
 
 
-def rates_of(system: System, state: Array) -> Array:
-    """Rates of the core states, by the entry that runs use: the model is not compiled again."""
+def all_rates_of(system: System, state: Array) -> Array:
+    """Rates of all states, by the entry that runs use: the model is not compiled again."""
     arrays, rate = system.arrays, np.zeros(system.arrays.size.total)
     out, nothing = compiled_model.empty_observation(arrays, 1), compiled_model._NO_INTEGRATION
     at, states = np.zeros(1), state[None]
     compiled_model._run(compiled_model._OBSERVE, arrays, nothing, out, 0.0, rate, at, states)
-    return rate[: arrays.size.core]
+    return rate
+
+
+def rates_of(system: System, state: Array) -> Array:
+    """Rates of the core states."""
+    return all_rates_of(system, state)[: system.arrays.size.core]
 
 
 def slope_of_rates(system: System, state: Array, column: int, step: float) -> Array:

@@ -81,19 +81,6 @@ def free_blocks(
     return description.free_blocks if condition.radial_motion else None
 
 
-def map_of_motions(
-    description: MachineDescription, condition: OperatingCondition, free: list[int]
-) -> Array:
-    """All motions of the description from the free ones, with a column for each of these."""
-    blocks = 2 if free_blocks(description, condition) else 0
-    found = np.zeros((len(description.motions), len(free) + blocks))
-    found[free, np.arange(len(free))] = 1.0
-    mesh = rigid_mesh(description, condition)
-    if mesh:
-        found[mesh.motion, : len(free)] = np.asarray(mesh.coefficients)[free]
-    return found
-
-
 def motion_rows(
     description: MachineDescription, condition: OperatingCondition, free: list[int]
 ) -> Array:
@@ -174,7 +161,11 @@ def assemble(
     """Build the arrays of a machine at a condition."""
     free = free_motions(description, condition)
     blocks = free_blocks(description, condition)
-    motion_map = map_of_motions(description, condition, free)
+    # all motions of the description from the free ones, with a column for each of these
+    motion_map = np.zeros((len(description.motions), len(free) + (2 if blocks else 0)))
+    motion_map[free, np.arange(len(free))] = 1.0
+    if mesh := rigid_mesh(description, condition):
+        motion_map[mesh.motion, : len(free)] = np.asarray(mesh.coefficients)[free]
     paths = description.paths
     places = node_places(description, condition)
     if condition.load_area > 0.0:

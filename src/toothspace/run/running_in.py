@@ -106,7 +106,8 @@ def run_in(case: Case, machine: MachineDescription, progress: Progress | None = 
     )
     fluid = fluid_of(case, state.temperature)
     key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _PLAN)
-    kept = load(key)
+    place = folder() / f"{key}.npz"
+    kept = load_arrays(place)
     if kept is not None:
         change = float(kept.pop(_CHANGE, 0.0))
         return Tracks(kept, change=change)
@@ -122,7 +123,7 @@ def run_in(case: Case, machine: MachineDescription, progress: Progress | None = 
             return Tracks(depths, again.status)
         later = running_in_depths(again)
         change = max(float(np.abs(later[body] - depth).max()) for body, depth in depths.items())
-    save(key, {**depths, _CHANGE: np.asarray(change)})
+    keep_arrays(place, {**depths, _CHANGE: np.asarray(change)}, _MOST_FILES)
     return Tracks(depths, change=change)
 
 
@@ -141,16 +142,6 @@ def folder() -> Path:
     Code of the library and of a compiler cut tracks that differ in their last digits.
     """
     return cache_root() / f"tracks-{way()}-{digest_of_sources()}"
-
-
-def load(key: str) -> dict[str, Array] | None:
-    """Return the depths stored under a key, or None. [m]."""
-    return load_arrays(folder() / f"{key}.npz")
-
-
-def save(key: str, depths: dict[str, Array]) -> None:
-    """Store depths. [m]."""
-    keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
 
 
 def running_in_depths(history: History) -> dict[str, Array]:

@@ -30,7 +30,8 @@ import toothspace as ts
 case: ts.Case = ts.load_case("motor.toml")
 faster = case.replace({"operating_point.shaft_speed": ts.Quantity(2000, "rpm")})
 solution = ts.simulate(faster)
-efficiency = solution.summary()["volumetric_efficiency"]
+doubled = solution.summary()["volumetric_efficiency"] * 2.0
+shown = solution.summary()["status"].upper()
 solution.plot.pressures().savefig("pressures.png")
 solution.to_csv("samples.csv")
 page = solution.report("motor.html").read_text()
@@ -88,10 +89,16 @@ import toothspace as ts
 ts.nonexistent()
 ts.simulate(3)
 ts.load_case("a").repalce({})
+print(ts.simulate("a").summary()["status"] * 2.0)
 """
 
 
-WRONG = [(2, 'has no attribute "nonexistent"'), (3, "incompatible type"), (4, '"repalce"')]
+WRONG = [
+    (2, 'has no attribute "nonexistent"'),
+    (3, "incompatible type"),
+    (4, '"repalce"'),
+    (5, "Unsupported operand types"),
+]
 
 
 def test_type_checker_reads_scripts_of_a_user(tmp_path: Path) -> None:

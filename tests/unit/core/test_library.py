@@ -86,25 +86,17 @@ def numbers(way: str, cases: list[tuple[str, tuple[str, ...]]]) -> dict[str, dic
     return found
 
 
-def same_both_ways(cases: list[tuple[str, tuple[str, ...]]]) -> None:
-    native, just_in_time = numbers("library", cases), numbers("jit", cases)
-    for name, values in native.items():
-        differing = [key for key in values if values[key] != just_in_time[name][key]]
-        assert not differing, f"{name}: {differing}"
-
-
-@needs_library
-def test_films_are_the_same_numbers_from_the_library_and_from_numba() -> None:
-    same_both_ways([(str(CASES / "journal_bearing.toml"), ())])
-
-
 @needs_library
 @pytest.mark.slow
 def test_machines_are_the_same_numbers_from_the_library_and_from_numba() -> None:
     cases = [(str(CASES / f"{name}.toml"), own) for name, own in MACHINES.items()]
     warmup = REPOSITORY / "src" / "toothspace" / "library" / "warmup" / "machine.toml"
-    lateral = str(CASES / "egm12_lateral_film.toml")
-    same_both_ways([*cases, (str(warmup), ("run.fidelity=films",)), (lateral, ())])
+    films = [str(CASES / name) for name in ("journal_bearing.toml", "egm12_lateral_film.toml")]
+    cases += [(str(warmup), ("run.fidelity=films",)), *((film, ()) for film in films)]
+    native, just_in_time = numbers("library", cases), numbers("jit", cases)
+    for name, values in native.items():
+        differing = [key for key in values if values[key] != just_in_time[name][key]]
+        assert not differing, f"{name}: {differing}"
 
 
 @needs_library

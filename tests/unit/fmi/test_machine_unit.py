@@ -204,6 +204,12 @@ def test_a_state_is_put_back_and_instances_share_nothing(
     assert one.get("shaft_angle") == [0.0]
 
 
+def test_a_flow_that_nobody_gives_is_that_of_the_displacement(units: Callable[..., Unit]) -> None:
+    case = api.load_case(PUMP)
+    ideal = api.describe(case).displacement * case.operating_point.shaft_speed
+    assert units(PUMP, flows=("outlet",)).get("outlet_flow_rate") == [pytest.approx(ideal)]
+
+
 def test_a_flow_is_given_and_a_pressure_follows(units: Callable[..., Unit]) -> None:
     """An orifice behind the outlet: the mean pressure is that at which its flow is the pump's."""
     throat = 0.7 * 1.06e-6 * np.sqrt(2.0 / 860.0)

@@ -254,7 +254,7 @@ def test_casing_contour_gives_port_edges_and_clearance() -> None:
         found = bore(assembly, gear)
         assert np.rad2deg(found.inlet_angle) == pytest.approx(70.0, abs=0.5)
         assert np.rad2deg(found.outlet_angle) == pytest.approx(55.0, abs=0.5)
-        assert found.clearance_at(np.array([np.pi])) == pytest.approx(20e-6, abs=2e-7)
+        assert np.interp(np.pi, found.places, found.clearance) == pytest.approx(20e-6, abs=2e-7)
 
 
 def test_casing_that_cuts_the_gear_is_refused() -> None:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.fake_solution import fake_solution
 from tests.tank_circuit import pump_between_tanks
 from toothspace.api import load_case, simulate
 from toothspace.case import Case
+from toothspace.core.finding import Finding
 from toothspace.core.status import Status
+from toothspace.core.types import Array
 from toothspace.model.fluid import highest_pressure
 from toothspace.results.credibility import with_warnings
 from toothspace.results.solution import Solution
@@ -116,6 +120,64 @@ def test_a_machine_that_runs_another_way_is_told(
     found = " ".join(one.sentence for one in told)
     for part in ("The rigid mesh pulls", "The bearing blocks lean"):
         assert (part in found) == (part in parts), found
+
+
+def told_of(quantity: str, *, contact_model: str = "rigid", **variables: Any) -> list[Finding]:
+    """Warnings about one quantity of the made-up result with other variables."""
+    data = fake_solution().data.drop_vars("running_in_depth").assign(variables)
+    solution = replace(fake_solution(), data=data, provenance={"contact_model": contact_model})
+    found = with_warnings(solution, 1e8).warnings
+    return [one for one in found if isinstance(one, Finding) and one.quantity == quantity]
+
+
+def contact_forces(*values: float) -> tuple[tuple[str, str], Array]:
+    """Force of one contact that goes evenly between values over the samples, of twelve."""
+    force = np.zeros((360, 12))
+    force[:, 3] = np.repeat(values, 360 // len(values))
+    return ("shaft_angle", "contact"), force
+
+
+@pytest.mark.parametrize(("pull", "count"), [(49.0, 0), (51.0, 1)])
+def test_a_rigid_mesh_may_pull_with_a_twentieth_of_its_push(pull: float, count: int) -> None:
+    force = contact_forces(1000.0, -pull)
+    told = told_of("Pull of the rigid mesh", contact_force=force)
+    assert len(told) == count
+    assert all((one.found, one.allowed) == ("51 N", "up to 50 N") for one in told)
+
+
+@pytest.mark.parametrize(("least", "count"), [(510.0, 0), (490.0, 1)])
+def test_a_blow_is_more_than_half_of_the_largest_force(least: float, count: int) -> None:
+    force = contact_forces(1000.0, least)
+    name = "Change of the contact force from one sample to the next"
+    told = told_of(name, contact_model="compliant", contact_force=force)
+    assert len(told) == count
+    assert all((one.found, one.allowed) == ("510 N", "up to 500 N") for one in told)
+
+
+@pytest.mark.parametrize(("depth", "count"), [(0.49e-6, 0), (0.52e-6, 1)])
+def test_tips_may_cut_half_a_micrometre(depth: float, count: int) -> None:
+    told = told_of("Cut of the tips, driven gear", tip_gap_minimum=("body", [1e-6, -depth]))
+    assert len(told) == count
+    assert all((one.found, one.allowed) == ("0.52 µm", "up to 0.5 µm") for one in told)
+
+
+@pytest.mark.parametrize(("sense", "count"), [(-1.0, 0), (1.0, 1)])
+def test_blocks_lean_away_from_what_journals_press_them_to(sense: float, count: int) -> None:
+    """Journals are carried by forces away from where their blocks are seated."""
+    force = fake_solution().data["journal_force"].mean("shaft_angle")
+    assert len(told_of("Place of the bearing blocks", seat_position=sense * force)) == count
+
+
+def test_a_body_out_of_mesh_is_named_with_half_a_pitch() -> None:
+    solution = fake_solution()
+    turned = np.zeros((360, 2))
+    turned[-1] = np.deg2rad([3.0, -20.0])
+    data = solution.data.assign(body_rotation=(("shaft_angle", "body"), turned))
+    solution = replace(solution, data=data, status=Status.OUT_OF_MESH)
+    (told,) = (one for one in with_warnings(solution, 1e8).warnings if "mesh" in one.quantity)
+    assert "Driven gear has turned by 20 deg" in told.text
+    assert "at a tooth pitch of 30 deg" in told.text
+    assert told.allowed == "up to 15 deg"
 
 
 @pytest.mark.slow

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,18 +72,3 @@ def test_what_is_no_result_is_refused_in_one_line(tmp_path: Path, name: str, fou
         load_solution(tmp_path / name)
     wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file of a run"
     assert str(refused.value) == wanted
-
-
-def test_arithmetic_with_summary_numbers_is_typed(tmp_path: Path, repository: Path) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(
-        "import toothspace as ts\n"
-        "found = ts.simulate('egm12_pump').summary()\n"
-        "print(found['volumetric_efficiency'] * 2.0)\n"
-        "print(found['status'].upper())\n"
-        "print(found['status'] * 2.0)\n"
-    )
-    command = [sys.executable, "-m", "mypy", "--strict", str(script)]
-    done = subprocess.run(command, cwd=repository, capture_output=True, text=True, check=False)
-    (line,) = (line for line in done.stdout.splitlines() if "error" in line and script.name in line)
-    assert f"{script.name}:5: error: Unsupported operand types" in line

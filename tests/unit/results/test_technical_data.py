@@ -97,6 +97,13 @@ def test_a_pump_has_names_of_opc_40223(tmp_path: Path) -> None:
     summary = solution.summary()
     bars = summary["outlet_pressure_bar"] - summary["inlet_pressure_bar"]
     assert value["DifferentialPressure"] == pytest.approx(1e5 * bars)
+    # SI units: kg/s, rev/s and kelvin
+    density = float(solution.data["outlet_density"])
+    assert value["MassFlow"] == pytest.approx(summary["mean_flow_L_per_min"] / 6e4 * density)
+    assert value["Speed"] == pytest.approx(summary["shaft_speed_rpm"] / 60.0)
+    for port in ("Inlet", "Outlet"):
+        kelvin = summary[f"{port.lower()}_temperature_degC"] + 273.15
+        assert value[f"{port}TemperatureOfThePump"] == pytest.approx(kelvin)
     # they are names of pumps
     assert pump_quantities(fake_solution(36)) == {}
 

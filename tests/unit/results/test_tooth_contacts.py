@@ -7,7 +7,13 @@ import pytest
 
 import toothspace as ts
 from toothspace.core.errors import ToothspaceError
-from toothspace.results.tooth_contacts import ToothContacts, contact_numbers, tooth_contacts
+from toothspace.results.tooth_contacts import (
+    ToothContacts,
+    contact_azimuth,
+    contact_numbers,
+    tooth_contacts,
+    tooth_forces,
+)
 from toothspace.results.variables import dataset_from
 
 FORCES = np.array([[60.0, 40.0, 0.0], [0.0, 99.5, 0.5], [30.0, 40.0, 30.0], [0.0, 0.0, 100.0]])
@@ -61,3 +67,26 @@ def test_a_run_of_a_gerotor_prints_what_its_solution_tells() -> None:
     assert found.loaded.size == solution.data.sizes["shaft_angle"]
     assert numbers["contact_span"] == pytest.approx(found.span)
     assert numbers["loaded_contacts_two_or_more"] == pytest.approx(np.mean(found.loaded >= 2))
+
+
+def test_a_contact_loads_the_tooth_that_stands_there() -> None:
+    """One contact after the other: the loaded tooth is the nearest to it, within half a pitch."""
+    machine = ts.describe(ts.load_case("cases/gerotor_cycloidal.toml"))
+    angle = np.linspace(0.1, 7.0, 41)
+    teeth, body = machine.families[0].count, machine.contacts[0].body_b
+    ratio = machine.bodies[machine.body_index(body)].speed_ratio
+    column, count = 0, sum(pair.count for pair in machine.contacts)
+    for pair in machine.contacts:
+        for phase in pair.phases:
+            force, gap = np.zeros((angle.size, count)), np.full((angle.size, count), 1e-3)
+            force[:, column], gap[:, column] = 7.0, 0.0
+            found, place = tooth_forces(angle, force, gap, machine)
+            np.testing.assert_array_equal(found.sum(axis=1), 7.0)
+            there = contact_azimuth(machine, pair, angle, float(phase))
+            loaded = place[np.arange(angle.size), np.argmax(found, axis=1)]
+            away = np.angle(np.exp(1j * (there - loaded)))
+            assert np.abs(away).max() <= np.pi / teeth * (1.0 + 1e-9)
+            assert not tooth_forces(angle, force, gap + 1e-3, machine)[0].any()
+            column += 1
+    assert np.allclose(np.diff(np.sort(place, axis=1), axis=1), 2.0 * np.pi / teeth)
+    assert place[0, 0] == pytest.approx(np.mod(ratio * angle[0], 2.0 * np.pi))

@@ -45,7 +45,8 @@ def flow_paths(
         profile, casing = assembly.profiles[gear], bore(assembly, gear)
         turn = assembly.mesh.turn if gear == 1 else 0.0
         places = assembly.table_places(gear, spaces[0].angles.size) - turn
-        clearance, cover = casing.clearance_at(places), bore_cover(assembly, gear, places)
+        clearance = np.interp(places, casing.places, casing.clearance, period=2.0 * np.pi)
+        cover = bore_cover(assembly, gear, places)
         motion = np.zeros((places.size, MOTIONS))
         motion[:, 2 * gear] = np.sin(places)
         motion[:, 2 * gear + 1] = np.cos(places) * (-1.0 if gear == 0 else 1.0)
@@ -120,11 +121,6 @@ class Bore:
     """Even places round the gear from the centre line in the sense of rotation, 0 to 2 pi. [rad]"""
     clearance: Array
     """Distance from the tip circle to the bore at the places. [m]"""
-
-    def clearance_at(self, places: Array) -> Array:
-        """Clearance at places of any turn. [m]."""
-        turn = 2.0 * np.pi
-        return np.asarray(np.interp(places, self.places, self.clearance, period=turn), dtype=float)
 
 
 def bore(assembly: Assembly, gear: int) -> Bore:
