@@ -315,6 +315,48 @@ def test_forces_flows_and_losses_of_a_state_grow_with_the_size(name: str) -> Non
         np.testing.assert_allclose(large[label], value, 2e-3, allowed, err_msg=label)
 
 
+QUICK: dict[str, Any] = SHORT | {"samples_per_revolution": 72, "relative_tolerance": 1e-5}
+NUMBER = re.compile(r"_(L_per_min|N_m|um|W|N|rpm|mm)$")
+UNITS = {"L_per_min": 2, "N_m": 3, "um": 1, "W": 2, "N": 2, "rpm": -1, "mm": 1}
+
+
+QUICKLY = {"egm12_pump": 5e-3, "gerotor_trochoidal": 2e-2}
+"""Agreement of short runs, of which contacts are loaded at single samples."""
+
+
+@pytest.mark.parametrize("name", QUICKLY, indirect=True)
+def test_a_short_run_grows_with_its_machine(name: str) -> None:
+    """Variables on average, sums of the ledger and numbers of the summary, all but extremes."""
+    factor, tolerance = PAIRS[name], QUICKLY[name]
+    one, other = (api.simulate(sized(name, scale, **QUICK)) for scale in (1.0, factor))
+    for label, values in one.data.data_vars.items():
+        unit = values.attrs.get("units", "")
+        if (
+            values.dtype.kind != "f"
+            or unit in ("rad", "K")
+            or label.endswith(("mum", "collapse_power"))
+        ):
+            continue
+        expected = values.values * factor ** power_of(unit)
+        error = np.mean(np.abs(other.data[label].values - expected))
+        assert error <= tolerance * np.abs(expected).max(), label
+    scale = abs(one.ledger.shaft_energy), max(one.ledger.mass.values())
+    for kept, found, size in zip(
+        (one.ledger.energy, one.ledger.mass),
+        (other.ledger.energy, other.ledger.mass),
+        scale,
+        strict=True,
+    ):
+        for account, value in kept.items():
+            assert found[account] / factor**3 == pytest.approx(value, abs=tolerance * size), account
+    numbers, larger = one.summary(), other.summary()
+    for label, value in numbers.items():
+        unit = NUMBER.search(label)
+        if unit and abs(value) > 0.02 * abs(numbers.get("shaft_power_W", 0.0)):
+            wanted = value * factor ** UNITS[unit[1]]
+            assert larger[label] == pytest.approx(wanted, rel=5.0 * tolerance), label
+
+
 def pump_that_turns(sense: int, backlash: str) -> Case:
     """A pump between two tanks that turns forwards, or its mirror image that turns backwards.
 

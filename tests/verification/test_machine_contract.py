@@ -22,6 +22,7 @@ from toothspace.model.description import (
 )
 from toothspace.model.film_faces import FILM, NO_BODY, FilmFace
 from toothspace.model.ledger import FRICTION_MECHANISMS
+from toothspace.model.path_category import DRAIN
 from toothspace.numerics.periodic_table import PeriodicTable
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -145,27 +146,60 @@ DENSITY = {"external_gear": 7850.0, "gerotor": 6900.0, "crescent": 7850.0}
 """Of steel, and of sintered steel. [kg/m3]"""
 
 
+def section_of(machine: MachineDescription, body: str) -> tuple[float, float, float, float]:
+    """Area, polar moment, length and longest chord of a drawn body, by sums over the angle."""
+    start = machine.outlines[body] @ np.array([1.0, 1j])
+    end = np.roll(start, -1)
+    turn, radius = np.angle(end / start), np.abs(0.5 * (start + end))
+    area, moment = (float(np.sum(radius**power * turn)) / power for power in (2, 4))
+    chords = np.abs(end - start)
+    return area, moment, float(chords.sum()), float(chords.max())
+
+
 @pytest.mark.parametrize("name", FIRST)
 def test_bodies_weigh_what_their_outlines_and_journals_do(name: str) -> None:
-    """Area, moment and length of the drawn section by sums over the polar angle."""
     machine, density = described(name), DENSITY[MACHINES[name]]
     width = 1e-3 * float(machine.geometry_summary["face_width_mm"])  # type: ignore[arg-type]
     for body in machine.bodies:
-        start = machine.outlines[body.name] @ np.array([1.0, 1j])
-        end = np.roll(start, -1)
-        turn, radius = np.angle(end / start), np.abs(0.5 * (start + end))
-        area, moment = (np.sum(radius**power * turn) / power for power in (2, 4))
+        area, moment, length, longest = section_of(machine, body.name)
         mass, inertia = density * width * area, density * width * moment
-        length = np.abs(end - start).sum()
         journals = [j for j in machine.journals if j.body == body.name]
         if any(j.count == 1 for j in journals):  # a ring, drawn with a cut to its outside
-            length -= 2.0 * np.abs(end - start).max() + np.pi * journals[0].diameter
+            length -= 2.0 * longest + np.pi * journals[0].diameter
         for j in (j for j in journals if j.count == 2):
             shaft = density * j.count * j.length * 0.25 * np.pi * j.diameter**2
             mass, inertia = mass + shaft, inertia + shaft * j.diameter**2 / 8.0
         assert body.mass == pytest.approx(mass, rel=1e-3), body.name
         assert body.inertia == pytest.approx(inertia, rel=1e-3), body.name
         assert body.wetted_area == pytest.approx(width * length, rel=2e-3), body.name
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_films_on_faces_cover_the_section_and_leak_as_rings(name: str) -> None:
+    """Moment of the drawn section without the shaft; lands of 2 pi/ln(r_o/r_i) to the drain."""
+    machine = described(name)
+    drains = [path for path in machine.paths if path.category is DRAIN]
+    assert drains
+    for k, film in enumerate(machine.laterals):
+        radii = np.hypot(*machine.outlines[film.body].T)
+        assert film.outer_radius == pytest.approx(radii.max(), rel=1e-6)
+        inner, root, outer = (
+            0.5 * np.pi * r**4 for r in (film.inner_radius, film.root_radius, film.outer_radius)
+        )
+        moment = section_of(machine, film.body)[1]
+        solid = film.inner_radius < 0.99 * radii.min()
+        found = root - inner + film.tooth_area_fraction * (outer - root)
+        land = film.inner_radius, film.root_radius
+        if film.drag is not None:
+            found, land = film.drag * film.height, (film.root_radius, film.outer_radius)
+        assert found == pytest.approx(moment - solid * inner, rel=1e-3), film.body
+        if k < len(drains):
+            height, width, length = drains[k].geometry.values.T
+            leaking = drains[k].count * np.mean(width / length)
+            ring = 2.0 * np.pi / np.log(land[1] / land[0])
+            assert leaking == pytest.approx(ring, rel=1e-3), film.body
+            assert drains[k].multiplicity == film.faces == 2
+            np.testing.assert_allclose(height, film.height)
 
 
 @every_machine
