@@ -22,6 +22,7 @@ from toothspace.model.description import (
 )
 from toothspace.model.film_faces import FILM, NO_BODY, FilmFace
 from toothspace.model.ledger import FRICTION_MECHANISMS
+from toothspace.model.path_category import DRAIN
 from toothspace.numerics.periodic_table import PeriodicTable
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -122,6 +123,13 @@ def test_areas_and_widths_are_not_negative_and_gaps_do_not_overlap(name: str) ->
             assert geometry[..., 1:].min() >= 0.0, path.name
 
 
+@shipped
+def test_the_report_has_the_displacement_of_a_turn(name: str) -> None:
+    machine = described(name)
+    turn = 2e6 * np.pi * machine.displacement
+    assert machine.geometry_summary["displacement_cm3_per_rev"] == pytest.approx(turn, rel=1e-6)
+
+
 @every_machine
 def test_volumes_are_positive_and_their_derivatives_exact(name: str) -> None:
     step = 1e-5
@@ -141,31 +149,94 @@ def test_chambers_and_solids_fill_the_section_at_every_angle(name: str) -> None:
     assert np.ptp(total) < 2e-6 * np.mean(total)
 
 
+def test_numbers_of_a_cycloidal_set_by_hand() -> None:
+    """Six and seven teeth, 2.5 mm off centre, 10 um of clearance on each rotor, rim of 52 mm."""
+    machine = described("gerotor_cycloidal")
+    found, (pockets, *_) = dict(machine.geometry_summary), machine.families
+    teeth = {
+        "face_width_mm": 12.0, "eccentricity_mm": 2.5, "inner_tip_diameter_mm": 35.0 - 0.02,
+        "inner_root_diameter_mm": 25.0 - 0.02, "outer_tip_diameter_mm": 30.0 + 0.02,
+        "outer_root_diameter_mm": 40.0 + 0.02, "smallest_tip_gap_um": 20.0,
+    }  # fmt: skip
+    assert {name: found[name] for name in teeth} == pytest.approx(teeth, rel=1e-6)
+    angle = np.linspace(0.0, 2.0 * np.pi, 2001)
+    volume = 1e9 * pockets.volume(angle)
+    assert found["max_pocket_volume_mm3"] == pytest.approx(volume.max(), rel=1e-6)
+    assert found["min_pocket_volume_mm3"] == pytest.approx(volume.min(), rel=1e-6)
+    places = pockets.phases + pockets.angle_ratio * angle[:, None]
+    rising = np.maximum(pockets.volume.derivative(places)[..., 0], 0.0)
+    flow = pockets.angle_ratio * rising.sum(axis=1)
+    assert flow.mean() == pytest.approx(machine.displacement, rel=1e-3)
+    ripple = 100.0 * np.ptp(flow) / flow.mean()
+    assert found["flow_ripple_percent"] == pytest.approx(ripple, rel=0.02)
+    checks = {check.name: check.value for check in machine.checks}
+    rules = {
+        "rim of the outer rotor over the lobe height": (26.0 - 20.01) / 5.0,
+        "flow ripple": found["flow_ripple_percent"],
+        "smallest pocket over the largest": 100.0 * volume.min() / volume.max(),
+        "tip gap over the eccentricity": 100.0 * 20e-3 / 2.5,
+    }
+    assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-5)
+
+
 DENSITY = {"external_gear": 7850.0, "gerotor": 6900.0, "crescent": 7850.0}
 """Of steel, and of sintered steel. [kg/m3]"""
 
 
+def section_of(machine: MachineDescription, body: str) -> tuple[float, float, float, float]:
+    """Area, polar moment, length and longest chord of a drawn body, by sums over the angle."""
+    start = machine.outlines[body] @ np.array([1.0, 1j])
+    end = np.roll(start, -1)
+    turn, radius = np.angle(end / start), np.abs(0.5 * (start + end))
+    area, moment = (float(np.sum(radius**power * turn)) / power for power in (2, 4))
+    chords = np.abs(end - start)
+    return area, moment, float(chords.sum()), float(chords.max())
+
+
 @pytest.mark.parametrize("name", FIRST)
 def test_bodies_weigh_what_their_outlines_and_journals_do(name: str) -> None:
-    """Area, moment and length of the drawn section by sums over the polar angle."""
     machine, density = described(name), DENSITY[MACHINES[name]]
     width = 1e-3 * float(machine.geometry_summary["face_width_mm"])  # type: ignore[arg-type]
     for body in machine.bodies:
-        start = machine.outlines[body.name] @ np.array([1.0, 1j])
-        end = np.roll(start, -1)
-        turn, radius = np.angle(end / start), np.abs(0.5 * (start + end))
-        area, moment = (np.sum(radius**power * turn) / power for power in (2, 4))
+        area, moment, length, longest = section_of(machine, body.name)
         mass, inertia = density * width * area, density * width * moment
-        length = np.abs(end - start).sum()
         journals = [j for j in machine.journals if j.body == body.name]
         if any(j.count == 1 for j in journals):  # a ring, drawn with a cut to its outside
-            length -= 2.0 * np.abs(end - start).max() + np.pi * journals[0].diameter
+            length -= 2.0 * longest + np.pi * journals[0].diameter
         for j in (j for j in journals if j.count == 2):
             shaft = density * j.count * j.length * 0.25 * np.pi * j.diameter**2
             mass, inertia = mass + shaft, inertia + shaft * j.diameter**2 / 8.0
         assert body.mass == pytest.approx(mass, rel=1e-3), body.name
         assert body.inertia == pytest.approx(inertia, rel=1e-3), body.name
         assert body.wetted_area == pytest.approx(width * length, rel=2e-3), body.name
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_films_on_faces_cover_the_section_and_leak_as_rings(name: str) -> None:
+    """Moment of the drawn section without the shaft; lands of 2 pi/ln(r_o/r_i) to the drain."""
+    machine = described(name)
+    drains = [path for path in machine.paths if path.category is DRAIN]
+    assert drains
+    for k, film in enumerate(machine.laterals):
+        radii = np.hypot(*machine.outlines[film.body].T)
+        assert film.outer_radius == pytest.approx(radii.max(), rel=1e-6)
+        inner, root, outer = (
+            0.5 * np.pi * r**4 for r in (film.inner_radius, film.root_radius, film.outer_radius)
+        )
+        moment = section_of(machine, film.body)[1]
+        solid = film.inner_radius < 0.99 * radii.min()
+        found = root - inner + film.tooth_area_fraction * (outer - root)
+        land = film.inner_radius, film.root_radius
+        if film.drag is not None:
+            found, land = film.drag * film.height, (film.root_radius, film.outer_radius)
+        assert found == pytest.approx(moment - solid * inner, rel=1e-3), film.body
+        if k < len(drains):
+            height, width, length = drains[k].geometry.values.T
+            leaking = drains[k].count * np.mean(width / length)
+            ring = 2.0 * np.pi / np.log(land[1] / land[0])
+            assert leaking == pytest.approx(ring, rel=1e-3), film.body
+            assert drains[k].multiplicity == film.faces == 2
+            np.testing.assert_allclose(height, film.height)
 
 
 @every_machine

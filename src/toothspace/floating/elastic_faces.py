@@ -367,7 +367,11 @@ class BodyLoads:
 
 
 def loaded_bodies(
-    balance: LateralBalance, grids: tuple[FaceGrid, ...], back: BackPressure, data: xr.Dataset
+    description: MachineDescription,
+    balance: LateralBalance,
+    grids: tuple[FaceGrid, ...],
+    back: BackPressure,
+    data: xr.Dataset,
 ) -> ElasticFaces:
     """Elastic bodies of a machine under the loads of a lumped solution.
 
@@ -376,6 +380,8 @@ def loaded_bodies(
 
     Parameters
     ----------
+    description : MachineDescription
+        The machine, whose first contacts are those of the loaded flanks.
     balance : LateralBalance
         Bodies and what acts on them.
     grids : tuple of FaceGrid
@@ -392,7 +398,12 @@ def loaded_bodies(
     frames = {i.body: (i.body_angle, i.speed_ratio) for i in balance.interfaces}
     at_angle = lru_cache(_KEPT_ANGLES)(balance.elastic_bodies.loads)
     journals = _over_a_turn(data, data["journal_force"].values[:, :, :2])
-    contacts = _over_a_turn(data, data["contact_force"].values)
+    # along a helix flanks touch in slices of the width: those of one flank together
+    pair, winding = description.contacts[0], description.winding
+    flanks = pair.count if winding is None else winding.section.contacts[0].count
+    forces = data["contact_force"].values[:, : pair.count]
+    forces = forces.reshape(len(forces), -1, flanks).sum(axis=1)
+    contacts = _over_a_turn(data, forces)
     loads = BodyLoads(at_angle, back, journals, contacts, frames, axial_forces(data))
     return elastic_faces(grids, bodies, loads)
 
@@ -423,14 +434,35 @@ def axial_forces(data: xr.Dataset) -> Callable[[float], Array] | None:
     return _over_a_turn(data, data["axial_force"].values) if "axial_force" in data else None
 
 
-def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callable[[float], Array]:
-    """Pressures of all nodes over the shaft angle, periodic with the revolution. [Pa]."""
-    chambers = _over_a_turn(data, data["chamber_pressure"].values)
+def node_pressures(
+    description: MachineDescription, balance: LateralBalance, data: xr.Dataset
+) -> Callable[[float], Array]:
+    """Pressures of all nodes over the shaft angle, periodic with the revolution. [Pa].
+
+    Where tooth spaces are more than one chamber, those of the middle section, then those of the
+    sections at the ends that films look at, each with the ports.
+    """
+    pressure, angle = data["chamber_pressure"].values, data["shaft_angle"].values
+    leads = {0: 0.0, **{i.first_node: i.lead for i in balance.interfaces}}
+    held = [pressure]
+    if description.parts_spaces:
+        held = [
+            np.array(
+                [
+                    row[description.chambers_in_section(float(a), leads[first])]
+                    for row, a in zip(pressure, angle, strict=True)
+                ]
+            )
+            for first in sorted(leads)
+        ]
     inlet = float(data["inlet_pressure"].mean())
     outlet = float(data["outlet_pressure"].mean())
     ports = {"inlet": inlet, "outlet": outlet, "external": description.drain_pressure}
     rest = np.array([inlet, outlet, ports[description.drain]])
-    return lambda shaft_angle: np.concatenate([chambers(shaft_angle), rest])
+    chambers = [_over_a_turn(data, own) for own in held]
+    return lambda shaft_angle: np.concatenate(
+        [part for own in chambers for part in (own(shaft_angle), rest)]
+    )
 
 
 def _over_a_turn(data: xr.Dataset, values: Array) -> Callable[[float], Array]:

@@ -107,7 +107,10 @@ class FaceGrid:
         beyond = face.face_map(shaft_angle, *face.places(self.angle, edges)).node
         bore = np.where(beyond[:, 0] == FILM, face.inner_node, beyond[:, 0])
         open_face = face.open_wall(body, cells, x, y)
-        return Mask(cells.node, np.asarray(cells.body == body), open_face, beyond[:, 1], bore)
+        first = self.interface.first_node
+        node = np.where(cells.node == FILM, FILM, cells.node + first)
+        covered = np.asarray(cells.body == body)
+        return Mask(node, covered, open_face, beyond[:, 1] + first, bore + first)
 
     def film_grid(self, mask: Mask, node_pressure: Array, shaft_speed: float) -> FilmGrid:
         """Metric, pressures of chambers, grooves, bore and rim [Pa], and sweep of the body."""

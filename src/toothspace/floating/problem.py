@@ -237,7 +237,7 @@ def lateral_problem(
     """
     balance = balance_of(description)
     shaft_speed = float(data["shaft_speed"].mean())
-    pressures = node_pressures(description, data)
+    pressures = node_pressures(description, balance, data)
     mean = pressures(0.0)
     high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
     back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
@@ -247,7 +247,7 @@ def lateral_problem(
         tuple(i.winkler_compliance * deforms for i in balance.interfaces)
     )
     if settings.deformation == "bodies":
-        compliance = loaded_bodies(balance, grids, back, data)
+        compliance = loaded_bodies(description, balance, grids, back, data)
     warmth = {film.body: film.viscosity_ratio for film in description.laterals}
     laws = film_laws(balance, fluid, settings.cavitation, warmth)
     if balance.shaft_stiffness is not None:

@@ -241,7 +241,7 @@ class Stack:
     def snapshot(self, shaft_angle: float, node_pressure: Array) -> Snapshot:
         """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
         own = [grid.interface for grid in self.grids]
-        faces = [(i.body, i.face.face_map, i.lead) for i in own]
+        faces = [(i.body, i.face.face_map, i.lead, i.first_node) for i in own]
         first = dict(zip(reversed(faces), reversed(self.grids), strict=True))
         size = self.grids[0].area.size
         found = in_parallel(lambda face: first[face].mask(shaft_angle), first, size)

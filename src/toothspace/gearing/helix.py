@@ -15,7 +15,7 @@ from typing import Any, final
 
 import numpy as np
 
-from toothspace.core.keys import choice, forbid, quantity
+from toothspace.core.keys import choice, forbid, integer, quantity
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import MeshingGearParameters
 from toothspace.gearing.numbering import FULL_TURN
@@ -118,6 +118,7 @@ class Helix:
         self,
         machine: MachineDescription,
         along: Callable[[FlowPath], tuple[FlowPath, ...]],
+        slices: int = 1,
         **section: Any,
     ) -> MachineDescription:
         """Machine along the teeth that knows the one whose parts are those of its middle section.
@@ -126,11 +127,14 @@ class Helix:
         ----------
         along : callable
             What a path of the section becomes along the teeth.
+        slices : int
+            Parts of the width in each of which a tooth space is a chamber of its own.
         **section : object
             Fields of the description in which the machine of the section differs.
         """
         spur = replace(machine, **section)
-        return replace(machine, winding=Winding(self.turn_per_length, self.twist, spur, along))
+        winding = Winding(self.turn_per_length, self.twist, spur, along, slices)
+        return replace(machine, winding=winding)
 
     def family(self, family: ChamberFamily) -> ChamberFamily:
         """Chambers along the helix: means of volumes and of what micro-motions displace."""
@@ -312,10 +316,17 @@ class HelicalGearParameters(MeshingGearParameters):
         "left",
         default=None,
     )
+    axial_slices: int | None = integer(
+        "Slices of the face width, in each of which a tooth space has a pressure of its own; "
+        "default one for the whole width.",
+        low=2,
+        high=16,
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         if self.helix_angle == 0.0:
-            forbid(self, "with spur gears", "helix_hand")
+            forbid(self, "with spur gears", "helix_hand", "axial_slices")
         super().__post_init__()
 
     @property
@@ -358,6 +369,7 @@ class HelicalGearParameters(MeshingGearParameters):
             self,
             helix_angle=0.0,
             helix_hand=None,
+            axial_slices=None,
             module=self.module / self.slope,
             pressure_angle=self.transverse_pressure_angle,
             profile_shift=self.profile_shift * self.slope,

@@ -23,7 +23,7 @@ from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.finding import DesignCheck
 from toothspace.core.keys import quantity
 from toothspace.core.lazy import Lazy
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.film_faces import FacePlaces, FilmFace, SharedFaces
 from toothspace.model.floating_bearing import LateralBalance
@@ -228,6 +228,8 @@ class Winding:
     """The machine with the section of the middle over its whole width."""
     along: Callable[[FlowPath], tuple[FlowPath, ...]]
     """What a path of that section becomes along the teeth."""
+    slices: int = 1
+    """Parts of the width in each of which a tooth space is a chamber of its own."""
 
 
 @final
@@ -391,6 +393,39 @@ class MachineDescription:
         """Position of a motion in :attr:`motions`."""
         return [f"{m.body}.{m.axis}" for m in self.motions].index(f"{body}.{axis}")
 
+    @property
+    def parts_spaces(self) -> bool:
+        """Whether a tooth space that winds about its axis is more than one chamber."""
+        winding = self.winding
+        return winding is not None and self.chamber_count != winding.section.chamber_count
+
+    def chambers_in_section(self, shaft_angle: float, lead: float) -> IntArray:
+        """Chambers that the spaces of a section hold, in the order of its own chambers.
+
+        A space that the mating tooth cuts in two holds the one whose section passes there, one in
+        slices that of the slice.
+
+        Parameters
+        ----------
+        shaft_angle : float
+            Shaft angle of the middle. [rad]
+        lead : float
+            Shaft angle by which the section leads. [rad]
+        """
+        winding = self.winding
+        assert winding is not None
+        place = 0.5 + lead / float(np.copysign(winding.twist, winding.turn_per_length))
+        part = min(max(int(winding.slices * place), 0), winding.slices - 1)
+        found, first = [], 0
+        for k, own in enumerate(self.families):
+            if k % winding.slices == part:
+                ids = np.arange(own.count)
+                if winding.slices == 1:
+                    ids = _passing(own, winding.section.families[k], shaft_angle + lead)
+                found.append(first + ids)
+            first += own.count
+        return np.concatenate(found)
+
     def to_dataset(self) -> xr.Dataset:
         """Collect all tables over their angles, outlines and summary in one dataset."""
         attributes: dict[str, str | float] = {"machine": self.name, "mode": self.mode}
@@ -421,6 +456,17 @@ class MachineDescription:
                 own = tuple(deeper(table, depth) for table in path.own)
                 paths[k] = replace(path, geometry=deeper(path.geometry, depth), own=own)
         return replace(self, paths=tuple(paths))
+
+
+def _passing(own: ChamberFamily, spaces: ChamberFamily, section_angle: float) -> IntArray:
+    """Chambers that pass a section in its spaces, at its own shaft angle [rad]."""
+    turned = own.angle_ratio * section_angle
+    period, turn = own.volume.period, spaces.volume.period
+    begun = 0.0 if period == turn else 0.5 * turn  # fillings begin in the middle of the mesh
+    wanted = np.mod(spaces.phases + turned - begun, turn)
+    away = np.mod(own.phases + turned, period)[:, None] - wanted
+    away -= period * np.rint(away / period)
+    return np.asarray(np.argmin(np.abs(away), axis=0))
 
 
 if TYPE_CHECKING:

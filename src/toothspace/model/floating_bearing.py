@@ -95,6 +95,10 @@ class FilmInterface:
     """Where tooth spaces begin; zero for a face without any. [m]"""
     lead: float = 0.0
     """Shaft angle by which this end of a body that winds about its axis leads its middle. [rad]"""
+    first_node: int = 0
+    """Number of its first chamber among all pressures, where spaces that wind about the axis are
+    more than one chamber: those of the middle stand first, then those of this end. [-]
+    """
     part: str = ""
     """Elastic body of the part of the bearing beside it; empty where the bearing is whole."""
 

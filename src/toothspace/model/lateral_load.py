@@ -184,7 +184,7 @@ def _add_face(weights: Array, own: FilmInterface, angle: float) -> None:
     body = face.body_number(own.body)
     owned = (cells.body == body) | face.open_wall(body, cells, x, y)
     area = np.where(owned, radius * (radius[1] - radius[0]) * 2.0 * np.pi / _ROWS, 0.0)
-    outside = np.where(land, rim.node, cells.node).ravel()
+    outside = np.where(land, rim.node, cells.node).ravel() + own.first_node
     for column, arm in enumerate((area, area * y)):
         weights[:, column] += np.bincount(outside, (arm * beyond).ravel(), len(weights))
         weights[face.inner_node, column] += float((arm * (1.0 - beyond)).sum())

@@ -15,13 +15,14 @@ PathRole = Literal[
     "inlet_groove",
     "outlet_groove",
     "mesh",
+    "along",
     "lateral",
     "drain",
     "gap",
     "load",
     "circuit",
 ]
-"""What a path does: opens a chamber to a port or groove, joins meshing chambers, seals."""
+"""What a path does: opens a chamber to a port or groove, joins chambers, seals."""
 
 OPENINGS: tuple[PathRole, ...] = ("inlet_port", "outlet_port", "inlet_groove", "outlet_groove")
 """Roles of paths that open chambers to ports."""
@@ -43,9 +44,10 @@ class PathCategory:
     """Colour in figures, ``#rrggbb``."""
     role: PathRole
     """``inlet_port``, ``outlet_port``, ``inlet_groove``, ``outlet_groove``: opens chambers to a
-    port; ``mesh``: joins chambers that mesh with one another; ``lateral``: beside the faces of
-    bodies, from chamber to chamber; ``drain``: from chambers to the drain; ``gap``: any other gap
-    that seals; ``load``, ``circuit``: beyond the machine.
+    port; ``mesh``: joins chambers that mesh with one another; ``along``: joins slices of one tooth
+    space; ``lateral``: beside the faces of bodies, from chamber to chamber; ``drain``: from
+    chambers to the drain; ``gap``: any other gap that seals; ``load``, ``circuit``: beyond the
+    machine.
     """
 
     @property
@@ -56,7 +58,7 @@ class PathCategory:
     @property
     def account_label(self) -> str:
         """Readable name of its loss in the energy ledger."""
-        kind = "throttling" if self.role in (*OPENINGS, "mesh") else "leakage"
+        kind = "throttling" if self.role in (*OPENINGS, "mesh", "along") else "leakage"
         return f"{kind}, {self.label}"
 
 

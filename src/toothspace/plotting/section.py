@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
 from toothspace.geometry.curve import enclosed
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import (
@@ -125,7 +125,7 @@ def gear_section(
         title = f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle"
         if winding is not None:
             drawn, lead = winding.section, height * winding.twist * np.sign(winding.turn_per_length)
-            spaces = spaces[chambers_in_section(description, here, float(lead))]
+            spaces = spaces[description.chambers_in_section(here, float(lead))]
             here += float(lead)
             width = winding.twist / abs(winding.turn_per_length)
             title = f"z = {height * width * _MM:+.1f} mm"
@@ -145,36 +145,6 @@ def gear_section(
     bar.set_label("Absolute pressure (bar)")
     bar.outline.set_visible(False)
     return figure
-
-
-def chambers_in_section(
-    description: MachineDescription, shaft_angle: float, lead: float
-) -> IntArray:
-    """Chambers that the spaces of a section hold, in the order of its own chambers.
-
-    A space that the mating tooth cuts in two holds the one whose section passes there.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        Machine with teeth that wind.
-    shaft_angle : float
-        Shaft angle of the middle. [rad]
-    lead : float
-        Shaft angle by which the section leads. [rad]
-    """
-    assert description.winding is not None
-    found, first = [], 0
-    for own, spaces in zip(description.families, description.winding.section.families, strict=True):
-        turned = own.angle_ratio * (shaft_angle + lead)
-        period, turn = own.volume.period, spaces.volume.period
-        begun = 0.0 if period == turn else 0.5 * turn  # fillings begin in the middle of the mesh
-        wanted = np.mod(spaces.phases + turned - begun, turn)
-        away = np.mod(own.phases + turned, period)[:, None] - wanted
-        away -= period * np.rint(away / period)
-        found.append(first + np.argmin(np.abs(away), axis=0))
-        first += own.count
-    return np.concatenate(found)
 
 
 def top_of_scale(solution: Solution) -> float:

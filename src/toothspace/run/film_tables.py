@@ -122,6 +122,9 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
     if balance is None:
         allowed = "a machine with a floating part in balance"
         raise CaseError("run.film_tables", "tables of lateral films", allowed)
+    if description.parts_spaces:
+        allowed = "teeth whose spaces are one chamber each"
+        raise CaseError("run.film_tables", "tables of lateral films", allowed)
     for name, size in lateral_sizes(description).items():
         found = float(tables[f"lateral_{name}"])
         if not np.isclose(found, size, rtol=_SAME_SIZE):

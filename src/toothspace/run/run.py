@@ -224,7 +224,8 @@ class Marches:
             speed, ports = run.condition.shaft_speed, run.condition
             along = pressure_along_spaces(seats.machine, run.fluid, speed)
             difference = ports.outlet_pressure - ports.inlet_pressure
-            found = found.with_note(*along_spaces(along, difference), pressure_along_spaces=along)
+            notes = along_spaces(along, difference, seats.machine.winding.slices)
+            found = found.with_note(*notes, pressure_along_spaces=along)
         return run.marked(seats.noted(found))
 
     def turned(self, machine: MachineDescription) -> History:

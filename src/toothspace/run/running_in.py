@@ -152,7 +152,7 @@ def running_in_depths(history: History) -> dict[str, Array]:
     system = history.system
     heights = observe(system.arrays, history.states).raw_height
     angles = history.states[:, 0]
-    depths = {}
+    depths: dict[str, Array] = {}
     first = 0
     for path in by_kind(system.description.paths):
         members = slice(first, first + path.count)
@@ -169,6 +169,8 @@ def running_in_depths(history: History) -> dict[str, Array]:
             depth[closed] = 0.0
             # widened and rounded by a few nodes: a tip land has a width
             widened = np.max([np.roll(depth, k) for k in range(-3, 4)], axis=0)
-            depths[path.worn_by] = np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)
+            rounded = np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)
+            # slices of one body cut the same track
+            depths[path.worn_by] = np.maximum(rounded, depths.get(path.worn_by, 0.0))
         first += path.count
     return depths

@@ -197,8 +197,8 @@ def _gaps(
     for path in by_kind(description.paths):
         members = slice(first, first + path.count)
         first += path.count
-        # throats between flanks count the kinetic energy of their flow
-        throat = path.kind == "orifice" or path.category.role == "mesh"
+        # throats between flanks, and tooth spaces, count the kinetic energy of their flow
+        throat = path.kind == "orifice" or path.category.role in ("mesh", "along")
         if throat or (solved and path.category in LATERAL_PATHS):
             continue
         at = path.phases + path.angle_ratio * states[:, :1]
@@ -308,25 +308,28 @@ def pressure_along_spaces(
     return largest
 
 
-def along_spaces(pressure: float, difference: float) -> Iterator[Finding]:
+def along_spaces(pressure: float, difference: float, slices: int = 1) -> Iterator[Finding]:
     """Say where one pressure for a tooth space along the helix is not enough.
 
     Parameters
     ----------
     pressure, difference : float
         Pressure along a space, and that between the ports. [Pa]
+    slices : int
+        Parts of the width with a pressure of their own.
     """
-    limit = _LARGEST_ALONG * abs(difference)
+    limit = slices * _LARGEST_ALONG * abs(difference)
     if pressure <= limit:
         return
     found, allowed = (f"{1e-5 * value:.3g} bar" for value in (pressure, limit))
     yield Finding(
         "warning",
-        f"Oil needs up to {found} along a tooth space to leave it at one end; one pressure for a "
-        f"space holds up to {allowed}, a twentieth of that between the ports.",
+        f"Oil needs up to {found} along a tooth space to leave it at one end; one pressure for "
+        f"{'a space' if slices == 1 else 'a slice of it'} holds up to {allowed}, a twentieth of "
+        "that between the ports.",
         quantity="pressure along a tooth space",
         found=found,
         allowed=f"up to {allowed}",
-        advice="Lower operating_point.shaft_speed, or take narrower gears; peaks at the shut end "
-        "are higher than the run says.",
+        advice="Set axial_slices of the gears, lower operating_point.shaft_speed, or take narrower "
+        "gears; peaks at the shut end are higher than the run says.",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 import struct
 import tomllib
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from toothspace.case import load_case
 from toothspace.case.document import document_text
 from toothspace.cli import main
 from toothspace.core.errors import CaseError
+from toothspace.core.units import split_quantity, to_si
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 GEAR_CASE = REPOSITORY / "cases" / "egm12_motor.toml"
@@ -204,7 +206,7 @@ MUTATIONS = [
     Bad(f"{G}.tip_rounding", "1.3 mm", allowed="tip land"),
     Bad(f"{G}.dedendum", 1.9, key=G, allowed="from 0 to 0.1"),
     Bad(f"{G}.normal_backlash", "1.9 mm", allowed="0 to 1.375 mm"),
-    Bad("machine.journal_bearings.diameter", "28 mm", allowed="root diameter"),
+    Bad("machine.journal_bearings.diameter", "28 mm", allowed="of the gears, 27.775 mm"),
     # gerotor
     Bad("machine.rotors.lobe_radius", DELETE, allowed="trochoidal", case=GEROTOR_CASE),
     Bad("machine.rotors.inner_tooth_count", 2, allowed="from 3", case=GEROTOR_CASE),
@@ -240,6 +242,11 @@ def test_changed_case_is_refused(
     line = complaint(capsys, file, tmp_path / "out.nc")
     assert f": {bad.key or bad.path}" in line
     assert bad.allowed in line[line.index("allowed ") :]
+    # what was found is told as large as it was given
+    said = re.search(r"found (-?[\d.e+-]+ [a-z]+), allowed", line)
+    if said and not bad.key and isinstance(bad.value, str):
+        given, shown = (to_si(*split_quantity(text)) for text in (bad.value, said[1]))
+        assert shown == pytest.approx(given, rel=1e-3)
 
 
 def edited(old: str, new: str) -> Callable[[str], bytes]:

@@ -124,12 +124,14 @@ def test_spaces_push_the_bearings_as_they_push_the_teeth(hand: str) -> None:
 def test_bushings_that_rest_are_not_pressed() -> None:
     with pytest.raises(CaseError, match=r"floating_bearing\.high_pressure_area"):
         ts.load_case(HELICAL, (FIXED,)).machine_spec  # noqa: B018
-    balance = api.prepare(fixed_case()).machine.lateral_balance
+    machine = api.prepare(fixed_case()).machine
+    balance = machine.lateral_balance
     assert balance is not None
     assert balance.arrangement == "fixed"
     assert balance.floating.high_pressure.area == 0.0
+    back = BackPressure(HIGH, HIGH, HIGH)
     with pytest.raises(CaseError, match="deformation"):
-        loaded_bodies(balance, (), BackPressure(HIGH, HIGH, HIGH), xr.Dataset())
+        loaded_bodies(machine, balance, (), back, xr.Dataset())
 
 
 @pytest.mark.slow

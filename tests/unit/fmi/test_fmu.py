@@ -363,6 +363,9 @@ def test_the_grid_may_be_that_of_an_efficiency_map(samples: Samples, tmp_path: P
     result = ts.export_fmu(case_with_study(study), tmp_path / "unit.fmu", binary=False)
     assert result.data["pressure_difference"].values == pytest.approx([20e5, 40e5, 60e5])
     assert result.summary()["points"] == samples.count == 6
+    size = (tmp_path / "unit.fmu").stat().st_size
+    assert result.summary()["size_kB"] == pytest.approx(1e-3 * size)
+    assert 0.0 < result.wall_time < 600.0
     ts.export_fmu(PUMP, tmp_path / "unit.fmu", binary=False)
     assert samples.count == 6 + 20
 
@@ -438,9 +441,16 @@ def test_ripple_is_that_of_the_run_at_its_angles(monkeypatch: pytest.MonkeyPatch
     wave = 1e-4 + 3e-6 * np.sin(5.0 * angle + 0.4)
     data = whole.data.assign(outlet_flow_rate=wave).assign_coords(shaft_angle=angle)
     monkeypatch.setattr(ts.api, "simulate", lambda _: replace(whole, data=data))
-    ripple = np.array(ShaftSamples()(load_case(PUMP))["outlet_flow_rate_ripple"])
+    found = ShaftSamples()(load_case(PUMP))
+    ripple = np.array(found["outlet_flow_rate_ripple"])
     at = np.arange(360) * (2.0 * np.pi / 360)
     np.testing.assert_allclose(ripple, 3e-6 * np.sin(5.0 * at + 0.4), atol=1e-8)
+    known = whole.summary()
+    assert found["hydraulic_power"] == pytest.approx(known["hydraulic_power_W"])
+    assert found["power_loss"] == pytest.approx(known["power_loss_W"])
+    assert 6e4 * found["inlet_flow_rate"] == pytest.approx(known["mean_flow_L_per_min"])
+    mass = found["inlet_flow_rate"] * 870.0
+    assert found["outlet_flow_rate"] * 860.0 == pytest.approx(mass)
 
 
 @pytest.mark.parametrize(("case", "pitches"), [("egm12_motor", 12), ("gerotor_trochoidal", 6)])

@@ -15,7 +15,6 @@ from toothspace.model.path_category import OUTLET_PORT
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
 from toothspace.plotting.geometry import one_chamber, opening_area, opening_windows
 from toothspace.plotting.section import (
-    chambers_in_section,
     fluid_cells,
     gear_section,
     turned_section,
@@ -174,7 +173,7 @@ def test_section_of_a_cut_space_holds_the_chamber_that_passes_there() -> None:
     found = api.describe(api.load_case(CASES / "continuous_pump.toml"))
     winding, angle = found.winding, 0.2
     for lead in (-0.5 * winding.twist, 0.0, 0.5 * winding.twist):
-        spaces, first, before = chambers_in_section(found, angle, lead), 0, 0
+        spaces, first, before = found.chambers_in_section(angle, lead), 0, 0
         assert np.unique(spaces).size == spaces.size
         for own, section in zip(found.families, winding.section.families, strict=True):
             turned = angle + lead

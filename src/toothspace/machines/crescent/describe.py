@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 from toothspace.core.lazy import LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.helix_slices import Slices
 from toothspace.gearing.mesh_cut import AlongTeeth
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
@@ -44,13 +46,22 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
     helix = assembly.helix
-    section = {"families": families, "paths": paths, "contacts": contacts}
+    across, paths_across = families, paths
+    section = {"families": across, "paths": paths_across, "contacts": contacts}
     if helix is not None:
         families = tuple(helix.family(family) for family in families)
         paths = tuple(helix.path(path) for path in paths)
         contacts = helix.contact(contacts[0]), helix.contact(contacts[1])
     journals = gear_bodies.journal_bearings(assembly)
+    # rules judge a tooth space as one chamber
     checks = LazySequence(partial(design_checks, assembly, families, paths, journals))
+    slices, sliced = spec.pinion.axial_slices, None
+    outlines, laterals = (
+        SpaceOutlines(assembly, numbering), gear_bodies.lateral_films(assembly, numbering),
+    )  # fmt: skip
+    if helix is not None and slices is not None:
+        sliced = Slices(helix, slices, assembly.counts)
+        families, paths = sliced.families(*across), sliced.paths(paths_across, across)
     machine = MachineDescription(
         name="crescent",
         mode=spec.use,
@@ -60,7 +71,8 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         families=families,
         paths=paths,
         journals=journals,
-        laterals=gear_bodies.lateral_films(assembly, numbering),
+        # each end of a sliced space is a chamber of its own: only the section has a map of them
+        laterals=laterals if sliced is None else tuple(replace(f, face=None) for f in laterals),
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
@@ -68,11 +80,16 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=gear_bodies.outlines(assembly),
-        chamber_outlines=SpaceOutlines(assembly, numbering),
+        chamber_outlines=outlines if sliced is None else None,
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
     )
-    return machine if helix is None else helix.wound(machine, AlongTeeth(helix), **section)
+    if helix is None:
+        return machine
+    along = sliced or AlongTeeth(helix)
+    return helix.wound(
+        machine, along, slices or 1, **section, laterals=laterals, chamber_outlines=outlines
+    )
 
 
 MACHINE = MachineType("crescent", describe)

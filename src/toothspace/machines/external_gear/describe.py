@@ -7,6 +7,7 @@ from functools import partial
 
 from toothspace.core.lazy import Lazy, LazyMapping, LazySequence
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.helix_slices import Slices
 from toothspace.gearing.mesh_cut import AlongTeeth, CutSpaces
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import Numbering, number
@@ -24,7 +25,7 @@ from toothspace.machines.external_gear.summary import (
     geometry_summary,
 )
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.floating_bearing import LateralBalance
 from toothspace.model.path_category import INLET_PORT
 
@@ -47,11 +48,13 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
     journals, displaced = gear_bodies.journal_bearings(assembly), displacement(assembly)
+    families: tuple[ChamberFamily, ...]
     families = drive.chambers(gear_bodies.BODIES[0]), driven.chambers(gear_bodies.BODIES[1])
     paths = flow_paths(assembly, numbering, spaces)
     contacts = flank_contacts(assembly, gear_bodies.flank_pair(assembly), numbering, spaces[0])
-    helix, cut = spec.helix, None
-    section = {"families": families, "paths": paths, "contacts": contacts}
+    helix, cut, slices = spec.helix, None, keys.gears.axial_slices
+    across, paths_across = families, paths
+    section = {"families": across, "paths": paths_across, "contacts": contacts}
     if helix is not None:
         if assembly.flanks_in_turn:
             # the mating tooth fills a space: what lies ahead of it and behind are two chambers
@@ -71,6 +74,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
             room = max(assembly.root_clearances[gear], spec.drive.roughness)
             paths += (cut.roots(families[gear], gear, left_open, room),)
         families = cut.rest(families[0]), cut.rest(families[1])
+    # rules judge a tooth space as one chamber
     checks = LazySequence(partial(design_checks, assembly, spaces, families, paths, journals))
     equal = spec.drive.deviations is None and spec.driven.deviations is None
     own = None if equal else own_teeth(assembly, numbering, spaces)
@@ -81,11 +85,16 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         loaded, coast = contacts
         left = assembly.loaded_is_left
         contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
-    # a face sees one chamber of a space that is cut, another one later: only the section has a map
+    sliced = None if slices is None or helix is None else Slices(helix, slices, assembly.counts)
+    if sliced is not None:
+        families, paths = sliced.families(*across), sliced.paths(paths_across, across)
+    # a face sees one chamber of a space that is parted, another one later or at the other end: only
+    # the section has a map
+    is_parted = cut is not None or sliced is not None
     laterals = faces = lateral_films(assembly, numbering)
-    if cut is not None:
+    if is_parted:
         laterals = tuple(replace(film, face=None) for film in laterals)
-    has_floating_part = spec.floating_block is not None and cut is None
+    has_floating_part = spec.floating_block is not None
     machine = MachineDescription(
         name="external_gear",
         mode=keys.use,
@@ -105,9 +114,11 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         drain=keys.drain_node,
         drain_pressure=keys.drain_pressure or 1e5,
         running_in=keys.casing.wear_in,
-        floating=Lazy(partial(_balance, assembly, numbering)) if has_floating_part else None,
+        floating=Lazy(partial(_balance, assembly, numbering, is_parted))
+        if has_floating_part
+        else None,
         outlines=gear_bodies.outlines(assembly),
-        chamber_outlines=None if cut is not None else SpaceOutlines(assembly, numbering),
+        chamber_outlines=None if is_parted else SpaceOutlines(assembly, numbering),
         geometry_summary=LazyMapping(partial(geometry_summary, assembly, spaces, checks)),
         checks=checks,
         as_drawn={} if spec.drive.found is spec.driven.found is None else as_drawn(assembly),
@@ -115,14 +126,21 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     if helix is None:
         return machine
     outlines = SpaceOutlines(assembly, numbering)
-    return helix.wound(machine, along, **section, laterals=faces, chamber_outlines=outlines)
+    return helix.wound(
+        machine,
+        sliced or along,
+        slices or 1,
+        **section,
+        laterals=faces,
+        chamber_outlines=outlines,
+    )
 
 
-def _balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
+def _balance(assembly: Assembly, numbering: Numbering, is_parted: bool) -> LateralBalance:
     # with the bodies that bend, most of the machine's modules
     from toothspace.machines.external_gear.floating.balance import lateral_balance
 
-    return lateral_balance(assembly, numbering)
+    return lateral_balance(assembly, numbering, parted=is_parted)
 
 
 MACHINE = MachineType("external_gear", describe)

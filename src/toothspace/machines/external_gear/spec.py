@@ -176,6 +176,7 @@ class GearParameters(HelicalGearParameters):
             reason = f'with family = "{self.family}"'
             forbid(self, reason, "profile", "tooth_deviations", "tool_tip_radius")
             forbid(self, f"{reason}: pitch circles touch", "center_distance")
+            forbid(self, f"{reason}: mating teeth cut its tooth spaces in two", "axial_slices")
             others = {"tip_diameter", "pressure_angle", "root_clearance"} - set(self._shape_keys)
             forbid(self, reason, *sorted(others))
             for name in ("profile_shift", "dedendum"):
@@ -557,11 +558,6 @@ class ExternalGearTables(MachineTables):
     def missing_floating_part(self) -> str:
         """Message about what the balance of the floating bearing would need; empty if given."""
         bearing = self.floating_bearing
-        if bearing is not None and self.gears.is_continuous:
-            return (
-                f"machine.gears.family: found {self.gears.family!r}, allowed 'involute' with films "
-                "in balance"
-            )
         fixed = self.lateral.arrangement == "fixed"
         if bearing is not None and (fixed or bearing.high_pressure_area is not None):
             return ""

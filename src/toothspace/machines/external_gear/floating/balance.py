@@ -61,10 +61,18 @@ _SHARE = 0.5
 """Each of both bearings carries this share of the journal force on a gear. [-]"""
 
 
-def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
+def lateral_balance(
+    assembly: Assembly, numbering: Numbering, *, parted: bool = False
+) -> LateralBalance:
     """Films beside the gears and the floating bearing.
 
     Raises GeometryError if high-pressure area and nose are larger than the back face.
+
+    Parameters
+    ----------
+    parted : bool
+        Whether tooth spaces are more than one chamber along a helix, so that each end has
+        pressures of its own.
     """
     block = assembly.spec.floating_block
     assert block is not None
@@ -79,7 +87,11 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
     return LateralBalance(
         arrangement=cast(Any, block.arrangement),
         motion=cast(Any, block.keys.motion),
-        interfaces=tuple(_interface(assembly, face, side) for side in _SIDES for face in gears),
+        interfaces=tuple(
+            _interface(assembly, face, side, (k + 1) * (numbering.drain + 1) if parted else 0)
+            for k, side in enumerate(_SIDES)
+            for face in gears
+        ),
         floating=_floating(assembly, block),
         high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
         low_node=ports[keys.drain_node],
@@ -116,7 +128,7 @@ def _behind_a_chord(face: Any, patch: Patch) -> Any:
     return part(high)
 
 
-def _interface(assembly: Assembly, face: FaceOfGear, side: Side) -> FilmInterface:
+def _interface(assembly: Assembly, face: FaceOfGear, side: Side, first_node: int) -> FilmInterface:
     spec, block, gear = assembly.spec, assembly.spec.floating_block, face.gear
     assert block is not None
     own = (spec.drive, spec.driven)[gear]
@@ -134,6 +146,7 @@ def _interface(assembly: Assembly, face: FaceOfGear, side: Side) -> FilmInterfac
         body_angle=face.own.first_tooth,
         root_radius=assembly.profiles[gear].root_radius,
         lead=0.0 if spec.helix is None else spec.helix.leads[_SIDES.index(side)],
+        first_node=first_node,
         part=parts[gear] if parts else "",
     )
 
