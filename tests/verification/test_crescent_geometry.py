@@ -37,9 +37,15 @@ from toothspace.machines.crescent.assembly import (
     CrescentAssembly,
     assemble,
     cover_recesses,
+    filler_outline,
     involute_pair,
 )
-from toothspace.machines.crescent.summary import overlap, tip_clearance, trimming_distance
+from toothspace.machines.crescent.summary import (
+    geometry_summary,
+    overlap,
+    tip_clearance,
+    trimming_distance,
+)
 
 ALPHA = np.deg2rad(27.5)
 MODULE = 5e-3
@@ -150,6 +156,34 @@ def test_displacement_and_ripple_are_the_closed_form() -> None:
     assert flow.mean() == pytest.approx(wanted, rel=1e-4)
     ripple = (flow.max() - flow.min()) / flow.mean()
     assert ripple == pytest.approx(assembly.pair.flow_ripple(), rel=0.03)
+
+
+def test_numbers_of_the_report_by_hand() -> None:
+    """A module of 5 mm, 13 and 19 teeth; radii of tips 39.5 and 46 mm, of roots 29.25 and 56 mm."""
+    assembly = machine()
+    assert assembly.pair is not None
+    found = geometry_summary(assembly, assembly.spaces(360), ())
+    turn = 2e6 * np.pi * assembly.pair.displacement_per_radian(assembly.face_width)
+    assert found["displacement_cm3_per_rev"] == pytest.approx(turn, rel=1e-4)
+    ripple = 100.0 * assembly.pair.flow_ripple()
+    assert found["flow_ripple_percent"] == pytest.approx(ripple, rel=0.03)
+    assert found["face_width_mm"] == pytest.approx(49.26)
+    apart = 1e3 * assembly.pair.center_distance
+    assert found["center_distance_mm"] == pytest.approx(apart)
+    working = np.degrees(np.arccos(0.5 * 5.0 * (19 - 13) * np.cos(ALPHA) / apart))
+    assert found["operating_pressure_angle_deg"] == pytest.approx(working)
+    free = min(46.0 - apart - 29.25, 56.0 - apart - 39.5)
+    assert found["root_clearance_mm"] == pytest.approx(free)
+    # 160 degrees of filler less 20 mm of notch and the land itself, in pitches
+    span = np.radians(160.0) - 20.0 / 39.5 - abs(assembly.teeth[0].land_angle)
+    assert found["sealed_pinion_teeth"] == pytest.approx(13.0 * span / (2.0 * np.pi))
+    land = min(abs(t.land_angle * t.tip_radius) for t in assembly.teeth)
+    assert found["tip_land_mm"] == pytest.approx(1e3 * land, rel=1e-3)
+    ends = filler_outline(assembly)[[0, 179]]
+    thick = 1e3 * np.hypot(*ends.T).min() - 39.5
+    assert found["filler_thickness_mm"] == pytest.approx(thick, abs=0.05)
+    least = sum(section_areas(s).min() for s in assembly.spaces(360)) * 49.26e-3
+    assert found["smallest_chamber_volumes_mm3"] == pytest.approx(1e9 * least)
 
 
 def test_a_ring_with_very_many_teeth_acts_as_a_rack_does() -> None:

@@ -123,6 +123,13 @@ def test_areas_and_widths_are_not_negative_and_gaps_do_not_overlap(name: str) ->
             assert geometry[..., 1:].min() >= 0.0, path.name
 
 
+@shipped
+def test_the_report_has_the_displacement_of_a_turn(name: str) -> None:
+    machine = described(name)
+    turn = 2e6 * np.pi * machine.displacement
+    assert machine.geometry_summary["displacement_cm3_per_rev"] == pytest.approx(turn, rel=1e-6)
+
+
 @every_machine
 def test_volumes_are_positive_and_their_derivatives_exact(name: str) -> None:
     step = 1e-5
@@ -140,6 +147,36 @@ def test_chambers_and_solids_fill_the_section_at_every_angle(name: str) -> None:
     machine = described(name)
     total = sum(np.sum(f.volume(own_angles(f))[..., 0], axis=1) for f in machine.families)
     assert np.ptp(total) < 2e-6 * np.mean(total)
+
+
+def test_numbers_of_a_cycloidal_set_by_hand() -> None:
+    """Six and seven teeth, 2.5 mm off centre, 10 um of clearance on each rotor, rim of 52 mm."""
+    machine = described("gerotor_cycloidal")
+    found, (pockets, *_) = dict(machine.geometry_summary), machine.families
+    teeth = {
+        "face_width_mm": 12.0, "eccentricity_mm": 2.5, "inner_tip_diameter_mm": 35.0 - 0.02,
+        "inner_root_diameter_mm": 25.0 - 0.02, "outer_tip_diameter_mm": 30.0 + 0.02,
+        "outer_root_diameter_mm": 40.0 + 0.02, "smallest_tip_gap_um": 20.0,
+    }  # fmt: skip
+    assert {name: found[name] for name in teeth} == pytest.approx(teeth, rel=1e-6)
+    angle = np.linspace(0.0, 2.0 * np.pi, 2001)
+    volume = 1e9 * pockets.volume(angle)
+    assert found["max_pocket_volume_mm3"] == pytest.approx(volume.max(), rel=1e-6)
+    assert found["min_pocket_volume_mm3"] == pytest.approx(volume.min(), rel=1e-6)
+    places = pockets.phases + pockets.angle_ratio * angle[:, None]
+    rising = np.maximum(pockets.volume.derivative(places)[..., 0], 0.0)
+    flow = pockets.angle_ratio * rising.sum(axis=1)
+    assert flow.mean() == pytest.approx(machine.displacement, rel=1e-3)
+    ripple = 100.0 * np.ptp(flow) / flow.mean()
+    assert found["flow_ripple_percent"] == pytest.approx(ripple, rel=0.02)
+    checks = {check.name: check.value for check in machine.checks}
+    rules = {
+        "rim of the outer rotor over the lobe height": (26.0 - 20.01) / 5.0,
+        "flow ripple": found["flow_ripple_percent"],
+        "smallest pocket over the largest": 100.0 * volume.min() / volume.max(),
+        "tip gap over the eccentricity": 100.0 * 20e-3 / 2.5,
+    }
+    assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-5)
 
 
 DENSITY = {"external_gear": 7850.0, "gerotor": 6900.0, "crescent": 7850.0}

@@ -38,6 +38,7 @@ from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.flow_paths import bore, bore_cover
 from toothspace.model.description import MachineDescription, RunningIn
 
+REFERENCE_PUMP = Path(__file__).parents[3] / "cases" / "egm12_pump.toml"
 REFERENCE_MOTOR = Path(__file__).parents[3] / "cases" / "egm12_motor.toml"
 
 
@@ -222,6 +223,38 @@ def test_summary_has_the_contract_names() -> None:
     summary = MACHINE.describe(fuel14(), nodes=72).geometry_summary
     assert names <= set(summary)
     assert summary["center_distance_mm"] == pytest.approx(63.06)
+
+
+def test_numbers_of_the_report_by_hand() -> None:
+    """Twelve teeth of 2.75 mm; a contact at k on its line sweeps b (r_a^2 - r_w^2 - k^2)."""
+    machine = describe(load_case(REFERENCE_PUMP))
+    found = machine.geometry_summary
+    apart, tip, root, width = (
+        float(found[name])  # type: ignore[arg-type]
+        for name in ("center_distance_mm", "tip_diameter_mm", "root_diameter_mm", "face_width_mm")
+    )
+    base = 12 * 2.75 * np.cos(np.radians(20.0))
+    pitch = np.pi * base / 12
+    working = np.arccos(base / apart)
+    swept = 0.25 * (tip**2 - apart**2) - pitch**2 / 12.0
+    path = np.sqrt(tip**2 - base**2) - apart * np.sin(working)
+    expected = {
+        "tip_diameter_mm": 40.372,
+        "face_width_mm": 7.63,
+        "normal_backlash_mm": 0.11,
+        "base_diameter_mm": base,
+        "operating_pressure_angle_deg": np.degrees(working),
+        "root_clearance_mm": apart - 0.5 * (tip + root),
+        "displacement_cm3_per_rev": 2e-3 * np.pi * width * swept,
+        "flow_ripple_percent": 25.0 * pitch**2 / swept,
+        "contact_ratio": path / pitch,
+    }
+    assert {name: found[name] for name in expected} == pytest.approx(expected, rel=2e-2)
+    close = ("displacement_cm3_per_rev", "operating_pressure_angle_deg", "base_diameter_mm")
+    assert [found[name] for name in close] == pytest.approx([expected[n] for n in close], rel=1e-5)
+    checks = {check.name: check.value for check in machine.checks}
+    change = float(found["trapped_volume_mm3"]) - float(found["dead_volume_mm3"])  # type: ignore[arg-type]
+    assert checks["trapped volume change"] == pytest.approx(change, rel=0.02)
 
 
 def test_profile_from_points_gives_the_generated_machine() -> None:
