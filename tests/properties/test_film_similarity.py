@@ -126,3 +126,32 @@ def test_numbers_of_a_summary_are_those_of_the_solution_in_their_units(name: str
             assert found == pytest.approx(scale * np.ravel(held)[: found.size]), label
             seen += 1
     assert seen > 8
+
+
+def test_a_ring_that_leans_another_way_is_the_same_film_turned() -> None:
+    """A tilt vector a quarter turn on turns gap and moment with it."""
+    film = LateralFilm(
+        inner_radius=0.01, outer_radius=0.02, side_gap=8e-6, fluid=FilmFluid(0.03),
+        tilt=(3e-4, 0.0), grid=(32, 8), inner_pressure=2e5, outer_pressure=9e5,
+    )  # fmt: skip
+    one = film.solve(shaft_speed=120.0, squeeze_velocity=1e-5)
+    other = replace(film, tilt=(0.0, 3e-4)).solve(shaft_speed=120.0, squeeze_velocity=1e-5)
+    np.testing.assert_allclose(other.gap_height, np.roll(one.gap_height, 8, axis=0))
+    load, about_x, about_y = one.load
+    assert np.hypot(about_x, about_y) > 1e-3 * load * film.outer_radius
+    assert other.load == pytest.approx([load, -about_y, about_x], rel=1e-6)
+    # turned about x by a positive angle, the face rises where y is positive
+    quarter = 8
+    assert one.gap_height[quarter].mean() > one.gap_height[-quarter].mean()
+
+
+def test_a_ring_turned_the_other_way_is_its_mirror_image() -> None:
+    film = LateralFilm(
+        inner_radius=0.01, outer_radius=0.02, side_gap=8e-6, fluid=FilmFluid(0.03),
+        tilt=(3e-4, 0.0), grid=(32, 8), inner_pressure=2e5, outer_pressure=9e5,
+    )  # fmt: skip
+    one, other = (film.solve(shaft_speed=speed) for speed in (120.0, -120.0))
+    load, about_x, about_y = one.load
+    assert other.load == pytest.approx([load, about_x, -about_y], rel=1e-6)
+    assert other.friction_torque == pytest.approx(-one.friction_torque, rel=1e-6)
+    assert other.power_loss == pytest.approx(one.power_loss, rel=1e-6)

@@ -175,6 +175,9 @@ def test_numbers_of_a_cycloidal_set_by_hand() -> None:
         "flow ripple": found["flow_ripple_percent"],
         "smallest pocket over the largest": 100.0 * volume.min() / volume.max(),
         "tip gap over the eccentricity": 100.0 * 20e-3 / 2.5,
+        # kidneys from 12.5 to 20 mm; the shaft is taken as half the roots of the inner rotor
+        "land beside the kidneys to the rim": 100.0 * (26.0 - 20.0) / (26.0 - 20.01),
+        "land beside the kidneys to the shaft": 100.0 * (12.5 - 6.245) / (12.49 - 6.245),
     }
     assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-5)
 

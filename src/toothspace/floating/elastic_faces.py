@@ -398,14 +398,17 @@ def loaded_bodies(
     frames = {i.body: (i.body_angle, i.speed_ratio) for i in balance.interfaces}
     at_angle = lru_cache(_KEPT_ANGLES)(balance.elastic_bodies.loads)
     journals = _over_a_turn(data, data["journal_force"].values[:, :, :2])
-    # along a helix flanks touch in slices of the width: those of one flank together
+    contacts = _over_a_turn(data, flank_forces(description, data))
+    loads = BodyLoads(at_angle, back, journals, contacts, frames, axial_forces(data))
+    return elastic_faces(grids, bodies, loads)
+
+
+def flank_forces(description: MachineDescription, data: xr.Dataset) -> Array:
+    """Forces of the loaded flanks, shape (samples, flanks); slices of one flank together. [N]."""
     pair, winding = description.contacts[0], description.winding
     flanks = pair.count if winding is None else winding.section.contacts[0].count
     forces = data["contact_force"].values[:, : pair.count]
-    forces = forces.reshape(len(forces), -1, flanks).sum(axis=1)
-    contacts = _over_a_turn(data, forces)
-    loads = BodyLoads(at_angle, back, journals, contacts, frames, axial_forces(data))
-    return elastic_faces(grids, bodies, loads)
+    return np.asarray(forces.reshape(len(forces), -1, flanks).sum(axis=1))
 
 
 def face_deflection(state: StackState) -> dict[str, float]:

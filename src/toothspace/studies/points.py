@@ -224,6 +224,8 @@ def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
     except CaseError as error:
         numbers, status, message = {}, BAD_INPUT, str(error)
     except Exception as error:  # one point that fails must not end a long study
+        if isinstance(error.__cause__, KeyboardInterrupt):  # compiled code gave a result beside it
+            raise error.__cause__ from None
         numbers, status = {}, FAILED
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
     return Record(key, status, plain(numbers), message, time.perf_counter() - started)

@@ -15,6 +15,7 @@ from toothspace.case import load_case
 from toothspace.cli import main
 from toothspace.core.compilation import sources
 from toothspace.core.files import draft_of
+from toothspace.studies import points
 
 PROGRAM = [sys.executable, "-m", "toothspace"]
 WHOLE = "Write the report of a result: a self-contained HTML page or a PDF document."
@@ -34,6 +35,26 @@ def test_streams_that_are_closed_change_no_exit_code(closed: str, tmp_path: Path
     for arguments, code in ((["fluids"], 0), (["geometry", "empty.toml"], 2)):
         command = " ".join([*PROGRAM, *arguments, closed])
         assert subprocess.run(["sh", "-c", command], cwd=tmp_path, check=False).returncode == code
+
+
+@pytest.mark.parametrize(("cause", "code"), [(KeyboardInterrupt(), 130), (None, 70)])
+def test_an_interrupt_that_compiled_code_swallowed_is_one(
+    cause: BaseException | None,
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A signal while a call takes its arguments: the interpreter complains of both at once."""
+
+    def both(*_given: object, **_named: object) -> None:
+        raise SystemError("a function returned a result with an exception set") from cause
+
+    monkeypatch.setattr("toothspace.cli.application.application", both)
+    assert main(["fluids"]) == code
+    assert ("Interrupted." in capsys.readouterr().err) == (code == 130)
+    if cause:
+        with pytest.raises(KeyboardInterrupt):
+            points._evaluated(both, ("key", load_case("egm12_pump")))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="masks are those of POSIX")

@@ -15,7 +15,7 @@ from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace import api
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.floating.elastic_faces import loaded_bodies
+from toothspace.floating.elastic_faces import flank_forces, loaded_bodies, node_pressures
 from toothspace.floating.equilibrium import SearchSettings, find_equilibrium
 from toothspace.floating.face_grid import FaceGrid
 from toothspace.floating.motion import Balance, StepSettings, state_at
@@ -119,6 +119,86 @@ def test_spaces_push_the_bearings_as_they_push_the_teeth(hand: str) -> None:
     assert abs(teeth) > 500.0
     # where a groove is open to a space the bearing has the pressure of its port
     assert bearings == pytest.approx(-teeth, rel=0.06)
+
+
+@pytest.mark.parametrize(
+    ("name", "slices"),
+    [pytest.param("continuous_pump", None, marks=pytest.mark.slow), ("helical_pump", 3)],
+)
+def test_ends_have_the_pressures_of_the_chambers_that_pass_there(
+    name: str, slices: int | None
+) -> None:
+    r"""Spaces that are parted push the bearings as those of one chamber do: :math:`\mp F`."""
+    gone = {f"machine.floating_bearing.{k}": None for k in ("high_pressure_area", "seal_preload")}
+    keys = {
+        **gone,
+        "machine.gears.axial_slices": slices,
+        "machine.lateral.arrangement": "fixed",
+        "machine.floating_bearing.length": "19 mm",
+        "machine.floating_bearing.motion": "axial",
+    }
+    run = api.prepare(ts.load_case(HELICAL.with_name(f"{name}.toml")).replace(keys))
+    found, at = run.machine, chamber_pressures(run.machine, run.condition)
+    balance, samples = found.lateral_balance, np.array([0.0, 0.1, 0.9, 2.0 * np.pi])
+    assert balance is not None
+    assert found.parts_spaces
+    chambers = np.array([at(float(angle))[: found.chamber_count] for angle in samples])
+    ports = {
+        f"{port}_pressure": ("shaft_angle", np.full(4, getattr(run.condition, f"{port}_pressure")))
+        for port in ("inlet", "outlet")
+    }
+    data = xr.Dataset(
+        {"chamber_pressure": (("shaft_angle", "chamber"), chambers), **ports},
+        coords={"shaft_angle": samples},
+    )
+    pressures_at, bearings, teeth = node_pressures(found, balance, data), 0.0, 0.0
+    for k in (1, 2):
+        angle, pressure = float(samples[k]), pressures_at(float(samples[k]))
+        for interface in balance.interfaces:
+            grid = FaceGrid(interface, 360, 36)
+            mask = grid.mask(angle)
+            push = np.where(mask.open_face, pressure[mask.node] * grid.area, 0.0).sum()
+            bearings += push if interface.side == "floating" else -push
+        rates = [
+            own.angle_ratio * own.volume.derivative(own.phases + own.angle_ratio * angle)[..., 0]
+            for own in found.families
+        ]
+        teeth -= found.winding.turn_per_length * (chambers[k] @ np.hstack(rates))
+    assert bearings == pytest.approx(-teeth, rel=0.04)
+
+
+def test_slices_of_a_contact_line_push_their_flank_together() -> None:
+    found = prepared().machine
+    pair, teeth = found.contacts[0], 12
+    slices = pair.count // teeth
+    assert slices > 1
+    # all slices of flank k carry k; the other flanks of both gears do not count
+    row = np.concatenate([np.tile(np.arange(teeth), slices), np.full(pair.count, 99.0)])
+    forces = flank_forces(found, xr.Dataset({"contact_force": (("angle", "contact"), row[None])}))
+    np.testing.assert_array_equal(forces, [slices * np.arange(teeth)])
+
+
+@pytest.mark.slow
+def test_films_of_continuous_contact_hold_its_axial_force() -> None:
+    """Between bushings that rest both gears settle, pressed by what the run says."""
+    keys = {
+        "machine.lateral.arrangement": "fixed",
+        "machine.floating_bearing.length": "19 mm",
+        "machine.floating_bearing.motion": "axial",
+        "machine.floating_bearing.gear_axial_force": ["-1500 N", "-550 N"],
+        "run.samples_per_revolution": 360,
+        "run.relative_tolerance": 1e-5,
+    }
+    case = ts.load_case(HELICAL.with_name("continuous_pump.toml")).replace(keys)
+    prepared, solution = api.prepare(case), ts.simulate(case)
+    settings = LateralSettings(grid=(126, 18), angles=4)
+    problem = lateral_problem(prepared.machine, prepared.fluid, solution.data, settings)
+    found = problem.settle(problem.started(8e-6))
+    assert found.settled
+    states = found.balance.states
+    thrust = np.mean([state.snapshot.thrust for state in states], axis=0)
+    film = np.mean([[f.covered_load[0] for f in s.films] for s in states], axis=0)
+    np.testing.assert_allclose(film[:2] - film[2:], thrust - [1500.0, 550.0], atol=1.0)
 
 
 def test_bushings_that_rest_are_not_pressed() -> None:

@@ -363,6 +363,11 @@ def test_the_grid_may_be_that_of_an_efficiency_map(samples: Samples, tmp_path: P
     result = ts.export_fmu(case_with_study(study), tmp_path / "unit.fmu", binary=False)
     assert result.data["pressure_difference"].values == pytest.approx([20e5, 40e5, 60e5])
     assert result.summary()["points"] == samples.count == 6
+    with zipfile.ZipFile(tmp_path / "unit.fmu") as packed:
+        root = ElementTree.fromstring(packed.read("modelDescription.xml"))
+    # 24 steps in a twelfth of a turn at 900 rpm, one digit of it
+    step = float(root.find("DefaultExperiment").get("stepSize"))
+    assert step == pytest.approx(1.0 / (15.0 * 12.0 * 24.0), rel=0.25)
     size = (tmp_path / "unit.fmu").stat().st_size
     assert result.summary()["size_kB"] == pytest.approx(1e-3 * size)
     assert 0.0 < result.wall_time < 600.0

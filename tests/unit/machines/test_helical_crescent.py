@@ -101,3 +101,13 @@ def test_axial_force_is_the_moment_over_the_lead_and_turns_with_the_hand() -> No
     assert abs(ring) < 0.03 * pinion
     assert numbers["mass_balance_error"] < 1e-7
     assert numbers["energy_balance_error"] < 1e-5
+
+
+@pytest.mark.slow
+def test_solved_films_beside_the_pinion_keep_the_balances() -> None:
+    closed, solved = (ts.simulate(HELICAL, run__fidelity=f).summary() for f in ("lumped", "films"))
+    assert solved["status"] == "done"
+    assert solved["mass_balance_error"] < 1e-7
+    assert solved["energy_balance_error"] < 1e-5
+    leaks = closed["volumetric_efficiency"]
+    assert solved["volumetric_efficiency"] == pytest.approx(leaks, abs=3e-3)
