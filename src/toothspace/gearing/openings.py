@@ -170,13 +170,21 @@ def _overlap(start: Array, end: Array, low: float, high: float) -> Array:
 
 
 _REACH_STEP = 0.5
-_KEPT = 6
+_KEPT, _KEPT_RECESSES = 6, 24
 
 
 @recalled(_KEPT)
 def _enclosed_spaces(spaces: Spaces, indices: IntArray) -> Any:
     """Tooth spaces at some of their angles, as polygons. [m]."""
     return enclosed(space_outlines(spaces, indices))
+
+
+@recalled(_KEPT_RECESSES)
+def _overlaps_with(groove: Array, spaces: Spaces, indices: IntArray) -> tuple[Array, Array, Array]:
+    """Area [m2], perimeter and extent along y [m] of what spaces share with a recess."""
+    shared = shapely.intersection(_enclosed_spaces(spaces, indices), shapely.Polygon(groove))
+    bounds = np.nan_to_num(shapely.bounds(shared))
+    return shapely.area(shared), shapely.length(shared), bounds[:, 3] - bounds[:, 1]
 
 
 def groove_openings(
@@ -217,15 +225,13 @@ def groove_openings(
     # in whole steps, so that outlines are known where a recess is moved
     step = _REACH_STEP * abs(spaces.own.pitch_angle)
     near = np.flatnonzero(np.abs(spaces.angles) < step * np.ceil(max(reaches) / step))
-    shapes = _enclosed_spaces(spaces, near)
     found = {}
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))
-        overlap = shapely.intersection(shapes, shapely.Polygon(groove))
-        bounds = np.nan_to_num(shapely.bounds(overlap))
-        there = shapely.area(overlap) > _LEAST_AREA
-        area, perimeter = shapely.area(overlap)[there], shapely.length(overlap)[there]
-        passage = depth * (bounds[there, 3] - bounds[there, 1])
+        overlaps = _overlaps_with(groove, spaces, near)
+        there = overlaps[0] > _LEAST_AREA
+        area, perimeter, extent = (part[there] for part in overlaps)
+        passage = depth * extent
         series = area * passage / np.hypot(area, passage)
         table[near[there]] = np.column_stack([series, 4.0 * area / perimeter])
         found[name] = table

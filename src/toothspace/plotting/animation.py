@@ -13,8 +13,10 @@ from toothspace.core.files import draft_of
 from toothspace.core.processes import program_named
 from toothspace.core.progress import Progress, part, tell
 from toothspace.plotting.section import (
+    HEIGHTS,
     draw_section,
     housing_region,
+    section_at,
     top_of_scale,
 )
 from toothspace.plotting.style import GREY, ORANGE, PRESSURE_COLOURS, new_figure, styled
@@ -69,7 +71,8 @@ def write_animation(
     """Write a machine turning through one pitch, over and over.
 
     Left the section with the pressures as colour and the pressure forces on the bodies as arrows,
-    right the pressure of one chamber over the turn with a cursor where it stands.
+    of teeth that wind at both ends and in the middle; right the pressure of one chamber over the
+    turn with a cursor where it stands.
 
     Parameters
     ----------
@@ -99,7 +102,7 @@ def write_animation(
     description, data = solution.description, solution.data
     if "shaft_angle" not in data.sizes or "chamber_pressure" not in data:
         raise CaseError("result", "a run over time", "a run over the shaft angle with pressures")
-    if description is None or description.chamber_outlines is None:
+    if description is None or section_at(description, 0.0, 0.0).drawn.chamber_outlines is None:
         raise CaseError("result", "a machine that cannot be drawn", "one whose files are there")
     final = path if path.suffix.lower() in ENDINGS else path.with_suffix(".gif")
     writer = require_writer(final)
@@ -108,11 +111,13 @@ def write_animation(
     ports = {port: np.asarray(data[f"{port}_pressure"]) for port in ("inlet", "outlet")}
     forces = np.asarray(data["body_force"])[..., :2] if "body_force" in data else None
     left, low, right, high = housing_region(description).bounds
-    wide = 4.6 * (right - left) / (high - low)
-    figure = new_figure(wide + 4.9, 4.8)
-    machine, curve = figure.subplots(1, 2, width_ratios=(wide, 4.0))
+    heights = (0.0,) if description.winding is None else HEIGHTS
+    wide = (4.6 if len(heights) == 1 else 3.0) * (right - left) / (high - low)
+    figure = new_figure(wide * len(heights) + 4.9, 4.8)
+    widths = (*[wide] * len(heights), 4.0)
+    *machines, curve = figure.subplots(1, len(widths), width_ratios=widths)
     scale, colours = Normalize(0.0, top_of_scale(solution) / _BAR), mpl.colormaps[PRESSURE_COLOURS]
-    figure.colorbar(ScalarMappable(scale, PRESSURE_COLOURS), ax=machine, shrink=0.6, pad=0.02)
+    figure.colorbar(ScalarMappable(scale, PRESSURE_COLOURS), ax=machines, shrink=0.6, pad=0.02)
     degrees = np.degrees(angle - angle[0])
     curve.plot(degrees, pressure[:, 0] / _BAR)
     label = description.families[0].name.replace("_", " ")
@@ -127,16 +132,22 @@ def write_animation(
                 for frame in range(frames):
                     asked = angle[0] + frame / frames * description.pitch_angle
                     k = int(np.argmin(np.abs(angle - asked)))
-                    machine.clear()
                     at_ports = {name: colours(scale(p[k] / _BAR)) for name, p in ports.items()}
                     spaces = colours(scale(pressure[k] / _BAR))
-                    draw_section(machine, description, float(angle[k]), at_ports, spaces)
+                    for machine, height in zip(machines, heights, strict=True):
+                        machine.clear()
+                        cut = section_at(description, float(angle[k]), height)
+                        inside = spaces[cut.chambers]
+                        draw_section(machine, cut.drawn, cut.shaft_angle, at_ports, inside)
+                        machine.set_title(cut.title)
+                    # those on the whole width stand at its middle
+                    middle = machines[len(machines) // 2]
                     for body, force in zip(
                         description.bodies, () if forces is None else forces[k], strict=False
                     ):
                         start = 1e3 * np.asarray(body.center)
                         end = start + 1e3 * _ARROW * (high - low) * force / largest
-                        machine.annotate(
+                        middle.annotate(
                             "", end, start, arrowprops={"arrowstyle": "-|>", "color": GREY, "lw": 2}
                         )
                     cursor.set_xdata([degrees[k]] * 2)

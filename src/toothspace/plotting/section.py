@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.geometry.curve import enclosed
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import (
@@ -31,6 +31,8 @@ _MM = 1e3
 _BAR = 1e5
 _PORTS = ("inlet", "outlet")
 _DRAWN_ERROR = 4e-6  # what drawn outlines may deviate
+HEIGHTS = (-0.5, 0.0, 0.5)
+"""Where teeth that wind are shown, over the face width from the middle. [-]"""
 _WALL = 0.08  # drawn thickness of the housing over its height
 
 
@@ -108,7 +110,7 @@ def gear_section(
     winding = description.winding
     views = [(fraction, 0.0) for fraction in fractions]
     if winding is not None:
-        views = [(fractions[0], height) for height in (-0.5, 0.0, 0.5)]
+        views = [(fractions[0], height) for height in HEIGHTS]
     columns = min(len(views), 2 if winding is None else 3)
     rows = -(-len(views) // columns)
     left, low, right, high = housing_region(description).bounds
@@ -121,16 +123,10 @@ def gear_section(
         data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
         ports = {p: colours(scale(float(data[f"{p}_pressure"]) / _BAR)) for p in _PORTS}
         spaces = colours(scale(np.asarray(data["chamber_pressure"]) / _BAR))
-        here, drawn = float(data["shaft_angle"]), description
+        cut = section_at(description, float(data["shaft_angle"]), height)
         title = f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle"
-        if winding is not None:
-            drawn, lead = winding.section, height * winding.twist * np.sign(winding.turn_per_length)
-            spaces = spaces[description.chambers_in_section(here, float(lead))]
-            here += float(lead)
-            width = winding.twist / abs(winding.turn_per_length)
-            title = f"z = {height * width * _MM:+.1f} mm"
-        draw_section(axes, drawn, here, ports, spaces)
-        axes.set_title(title)
+        draw_section(axes, cut.drawn, cut.shaft_angle, ports, spaces[cut.chambers])
+        axes.set_title(title if winding is None else cut.title)
     for axes in panels[len(views) :]:
         axes.remove()
     peaks = float(solution.data["chamber_pressure"].max()) > top_of_scale(solution)
@@ -145,6 +141,32 @@ def gear_section(
     bar.set_label("Absolute pressure (bar)")
     bar.outline.set_visible(False)
     return figure
+
+
+@final
+class SectionAt(NamedTuple):
+    """Section of a machine across its axis at one height."""
+
+    drawn: MachineDescription
+    """Machine with the outlines of the section."""
+    shaft_angle: float
+    """Where its own shaft stands. [rad]"""
+    chambers: IntArray
+    """Chambers that its spaces hold."""
+    title: str
+    """Height in words."""
+
+
+def section_at(description: MachineDescription, shaft_angle: float, height: float) -> SectionAt:
+    """Section at a height over the face width, from -0.5 to 0.5, and a shaft angle [rad]."""
+    winding = description.winding
+    if winding is None:
+        return SectionAt(description, shaft_angle, np.arange(description.chamber_count), "")
+    lead = height * float(np.copysign(winding.twist, winding.turn_per_length))
+    chambers = description.chambers_in_section(shaft_angle, lead)
+    width = winding.twist / abs(winding.turn_per_length)
+    title = f"z = {height * width * _MM:+.1f} mm"
+    return SectionAt(winding.section, shaft_angle + lead, chambers, title)
 
 
 def top_of_scale(solution: Solution) -> float:

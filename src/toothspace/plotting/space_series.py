@@ -20,6 +20,7 @@ from toothspace.plotting.section import (
     fluid_cells,
     housing_region,
     port_region,
+    section_at,
     turned_section,
 )
 from toothspace.results.solution import Solution
@@ -117,7 +118,7 @@ def write_space_series(
         "films": {name: [film] * chosen.size for name, film in _films(data, states.levels)},
         "casing": {"casing": [states.casing()] * chosen.size},
     }
-    if description.chamber_outlines is not None:
+    if section_at(description, 0.0, 0.0).drawn.chamber_outlines is not None:
         chambers = []
         for k, grid in enumerate(states.chambers()):
             chambers.append(grid)
@@ -178,11 +179,11 @@ class _SpaceStates:
         middles = 0.5 * (self.levels[1:] + self.levels[:-1])
         for k, angle in enumerate(self.angles):
             parts, owners, shift = [], [], 0
-            for layer, lead in enumerate(self.leads(middles)):
-                shapes = shapely.simplify(
-                    fluid_cells(self.description, float(angle + lead)), _DRAWN_ERROR
-                )
-                for chamber, shape in enumerate(shapes):
+            for layer in range(middles.size):
+                height = float(middles[layer] / self.width - 0.5)
+                cut = section_at(self.description, float(angle), height)
+                shapes = shapely.simplify(fluid_cells(cut.drawn, cut.shaft_angle), _DRAWN_ERROR)
+                for chamber, shape in zip(cut.chambers, shapes, strict=True):
                     corners, triangles = _triangles(shape)
                     if not len(triangles):
                         continue

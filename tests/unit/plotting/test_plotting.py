@@ -15,8 +15,10 @@ from toothspace.model.path_category import OUTLET_PORT
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
 from toothspace.plotting.geometry import one_chamber, opening_area, opening_windows
 from toothspace.plotting.section import (
+    HEIGHTS,
     fluid_cells,
     gear_section,
+    section_at,
     turned_section,
 )
 from toothspace.plotting.style import figure_to_svg, save_figure
@@ -185,6 +187,17 @@ def test_section_of_a_cut_space_holds_the_chamber_that_passes_there() -> None:
                 rtol=1e-6,
             )
             first, before = first + section.count, before + own.count
+
+
+def test_a_section_of_slices_holds_those_at_its_height() -> None:
+    case = api.load_case(CASES / "helical_pump.toml")
+    found = api.describe(case.replace({"machine.gears.axial_slices": 3}))
+    half = 0.5 * found.winding.twist
+    for part, (height, lead) in enumerate(zip(HEIGHTS, (-half, 0.0, half), strict=True)):
+        cut = section_at(found, 0.2, height)
+        assert cut.shaft_angle == pytest.approx(0.2 + lead, abs=1e-12)
+        assert {found.chamber_labels[k].split("_")[3] for k in cut.chambers} == {str(part)}
+        assert len(cut.drawn.chamber_outlines(cut.shaft_angle)) == cut.chambers.size
 
 
 def test_sections_of_a_helix_are_drawn_at_three_heights() -> None:

@@ -118,6 +118,17 @@ def test_helical_teeth_wind_about_their_axes(tmp_path: Path) -> None:
         np.testing.assert_allclose(turn, sign * description.winding.twist, atol=1e-6)
 
 
+@pytest.mark.slow
+def test_every_slice_of_a_space_is_drawn_where_it_stands(tmp_path: Path) -> None:
+    case = ts.load_case("helical_pump").replace({"machine.gears.axial_slices": 3})
+    run = ts.simulate(case, **{"run.fidelity": "ideal", "run.samples_per_revolution": 36})
+    path, description = write_space_series(run, tmp_path / "run.vtkhdf", 1), run.description
+    assert description is not None
+    with h5py.File(path) as file:
+        chambers = file["VTKHDF/chambers/CellData/chamber"][:]
+    np.testing.assert_array_equal(np.unique(chambers), np.arange(description.chamber_count))
+
+
 def test_a_study_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from toothspace.core.netcdf import write_dataset
 

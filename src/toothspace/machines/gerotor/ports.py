@@ -107,6 +107,12 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     return Ports(*lands, {"inlet": kidney, "outlet": mirrored}, slot)
 
 
+def _shape(pocket: Pockets) -> tuple[Any, ...]:
+    """What the areas of a pocket follow from."""
+    return pocket.rotors.inner, pocket.rotors.outer, pocket.path, pocket.place.size
+
+
+@recalled(4, lambda ports, pocket, port: (ports, _shape(pocket), port))
 def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     """Opening of a pocket to a port.
 
@@ -220,9 +226,7 @@ class PocketPolygons:
         return np.vstack([ends[0][1], upper, ends[1][1], ends[1][0], lower[::-1], ends[0][0]])
 
 
-@recalled(
-    2, lambda pocket: (pocket.rotors.inner, pocket.rotors.outer, pocket.path, pocket.place.size)
-)
+@recalled(2, _shape)
 def _enclosed_pockets(pocket: Pockets) -> Any:
     """Areas of a pocket at all its places."""
     polygons = PocketPolygons(pocket)
