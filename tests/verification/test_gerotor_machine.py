@@ -153,7 +153,11 @@ def test_open_film_ends_leak_to_the_drain():
     closed = machine(TROCHOIDAL)
     housing = replace(closed.housing, end_condition="pressure")
     opened = describe(replace(closed, housing=housing), 140)
-    assert [p.name for p in opened.paths if p.name == "film_end"] == ["film_end"]
+    (ends,) = (p for p in opened.paths if p.name == "film_end")
+    film = closed.rotors.inner_tooth_count + 1  # behind as many pockets
+    assert (ends.nodes_a.tolist(), ends.nodes_b.tolist()) == ([film], [opened.drain_node])
+    # 50 um round 52 mm, from the mean of the film out: a quarter of 12 mm
+    assert ends.geometry.values[0] == pytest.approx([50e-6, 52e-3 * np.pi, 3e-3])
     assert opened.journals[0].end_condition == "pressure"
 
 

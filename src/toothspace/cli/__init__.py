@@ -75,9 +75,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _out_of_memory()
     except Exception as error:
-        # a signal while compiled code took its arguments: Python makes a SystemError of both
-        if isinstance(error.__cause__, KeyboardInterrupt):
-            return _complain("Interrupted.", EXIT_INTERRUPTED)
+        if isinstance(error, SystemError):
+            from toothspace.studies.points import is_interrupt
+
+            if is_interrupt(error):
+                return _complain("Interrupted.", EXIT_INTERRUPTED)
         # without memory libraries fail in words of their own
         return _out_of_memory() if is_short() else _unexpected(error)
     return int(code or EXIT_DONE)

@@ -213,6 +213,18 @@ def _key(item: Point, evaluate: Evaluate) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
+def is_interrupt(error: BaseException) -> bool:
+    """Whether an error is what became of a signal.
+
+    Where one comes while compiled code takes its arguments, the call gives a result and the
+    interrupt as well, and Python makes a SystemError of both.
+    """
+    found: BaseException | None = error if isinstance(error, SystemError) else None
+    while found is not None and not isinstance(found, KeyboardInterrupt):
+        found = found.__cause__ or found.__context__
+    return found is not None
+
+
 def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
     started, (key, case) = time.perf_counter(), task
     try:
@@ -224,8 +236,8 @@ def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
     except CaseError as error:
         numbers, status, message = {}, BAD_INPUT, str(error)
     except Exception as error:  # one point that fails must not end a long study
-        if isinstance(error.__cause__, KeyboardInterrupt):  # compiled code gave a result beside it
-            raise error.__cause__ from None
+        if is_interrupt(error):
+            raise KeyboardInterrupt from error
         numbers, status = {}, FAILED
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
     return Record(key, status, plain(numbers), message, time.perf_counter() - started)

@@ -47,7 +47,12 @@ def test_an_interrupt_that_compiled_code_swallowed_is_one(
     """A signal while a call takes its arguments: the interpreter complains of both at once."""
 
     def both(*_given: object, **_named: object) -> None:
-        raise SystemError("a function returned a result with an exception set") from cause
+        try:
+            raise SystemError(
+                "an inner function returned a result with an exception set"
+            ) from cause
+        except SystemError as inner:
+            raise SystemError("a function returned a result with an exception set") from inner
 
     monkeypatch.setattr("toothspace.cli.application.application", both)
     assert main(["fluids"]) == code

@@ -185,9 +185,10 @@ def test_wide_joints_give_the_machine_of_one_pressure() -> None:
     wide = replace(run, machine=replace(run.machine, paths=tuple(paths))).march()
     one = api.prepare(case).march()  # neither is worn in
     first, second = wide.summary(), one.summary()
+    # gas stays where it comes out, so that cavities of slices cost a little torque more
     for name, tolerance in (
-        ("mean_flow_L_per_min", 1e-4), ("mean_torque_N_m", 2e-4), ("flow_ripple_percent", 1e-2),
-        ("max_chamber_pressure_bar", 5e-3), ("axial_force_N", 2e-3),
+        ("mean_flow_L_per_min", 3e-4), ("mean_torque_N_m", 1.5e-3), ("flow_ripple_percent", 1e-3),
+        ("max_chamber_pressure_bar", 1e-3), ("axial_force_N", 2e-3),
     ):  # fmt: skip
         assert first[name] == pytest.approx(second[name], rel=tolerance), name
 
