@@ -49,35 +49,37 @@ class PeriodicTable:
         Parameters
         ----------
         width : float
-            Width of the window, positive. [rad]
+            Width of the window, not zero; its sign counts for nothing. [rad]
 
         Notes
         -----
         .. math:: \bar f(\theta) = \frac1w \int_{\theta - w/2}^{\theta + w/2} f\,d\vartheta ,
             \qquad \bar f' = \frac{f(\theta + w/2) - f(\theta - w/2)}{w}
         """
-        nodes = self.values.shape[0]
-        step = self.period / nodes
-        angles = step * np.arange(nodes)
-        ahead, behind = angles + 0.5 * width, angles - 0.5 * width
-        values = (self._integral(ahead) - self._integral(behind)) / width
-        return PeriodicTable(self.period, values, (self(ahead) - self(behind)) / width)
+        half = 0.5 * abs(width)
+        mirrored = PeriodicTable(self.period, self.values[::-1], -self.slopes[::-1])
+        ahead, rise = self._ahead(half)
+        behind, fall = (part[::-1] for part in mirrored._ahead(half))
+        return PeriodicTable(self.period, (ahead + behind) / abs(width), (rise - fall) / abs(width))
 
-    def _integral(self, angle: Array) -> Array:
-        """Integral from angle zero on, which grows by the same amount with every period."""
+    def _ahead(self, angle: float) -> tuple[Array, Array]:
+        """Integral over an angle ahead of every node, and the rise over it.
+
+        From the node on, not from angle zero: narrow windows keep their digits.
+        """
         nodes = self.values.shape[0]
         step = self.period / nodes
         v0, v1 = self.values, np.roll(self.values, -1, axis=0)
         s0, s1 = step * self.slopes, step * np.roll(self.slopes, -1, axis=0)
         parts = step * (0.5 * (v0 + v1) + (s0 - s1) / 12.0)
         sums = np.vstack([np.zeros((1, v0.shape[1])), np.cumsum(parts, axis=0)])
-        turns = np.floor(angle / self.period)
-        position = (angle - turns * self.period) / step
-        index = np.minimum(position.astype(np.int64), nodes - 1)
-        t = (position - index)[:, None]
+        whole = int(angle / step)
+        t = angle / step - whole
+        turns, index = np.divmod(np.arange(nodes) + whole, nodes)
         c0, c1, c2, c3 = (c[index] for c in cubic_coefficients(v0, v1, s0, s1))
         within = step * t * (c0 + t * (c1 / 2.0 + t * (c2 / 3.0 + t * c3 / 4.0)))
-        return np.asarray(turns[:, None] * sums[-1] + sums[index] + within)
+        passed = turns[:, None] * sums[-1] + sums[index] - sums[:-1]
+        return passed + within, v0[index] - v0 + t * (c1 + t * (c2 + t * c3))
 
     def _evaluate(self, angle: Array, *, derivative: bool) -> Array:
         nodes = self.values.shape[0]
