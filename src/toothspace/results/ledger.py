@@ -10,7 +10,7 @@ reference; a loss is positive when it dissipates, a change when the machine stor
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal, final
 
 MASS_ENTRIES: Mapping[str, str] = {
@@ -118,12 +118,6 @@ class Ledger:
         unknown = (set(self.mass) - set(MASS_ENTRIES)) | (set(self.energy) - known)
         if unknown:
             raise KeyError(f"unknown ledger entries {sorted(unknown)}")
-
-    def with_trapping(self, energy: Mapping[str, float]) -> Ledger:
-        """Return the ledger with the trapped part of the losses of its flow paths noted. [J]."""
-        parts = {TRAPPED + name: value for name, value in energy.items()}
-        total = {"trapped_volume": sum(energy.values())}
-        return replace(self, energy={**self.energy, **parts, **total})
 
     @property
     def losses(self) -> Mapping[str, str]:

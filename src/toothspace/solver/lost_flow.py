@@ -28,6 +28,7 @@ from toothspace.model import arrays as col
 from toothspace.model.description import MachineDescription
 from toothspace.model.path_category import LEAKAGES, PathRole
 from toothspace.numerics.periodic_table import PeriodicTable
+from toothspace.results.ledger import TRAPPED
 from toothspace.results.performance import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History
@@ -62,15 +63,16 @@ class Look:
     """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
 
     def trapped_losses(self) -> dict[str, float]:
-        """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
+        """Throttling of trapped fluid in grooves and mesh as entries of the ledger. [J]."""
         lost = np.where(self.trapped, self.seen.path_loss, 0.0)
         power = np.trapezoid(lost, self.history.times, axis=0)
         account = self.history.system.arrays.path_index[:, col.CATEGORY]
-        return {
-            category.account: float(power[account == k].sum())
+        parts = {
+            TRAPPED + category.account: float(power[account == k].sum())
             for k, category in enumerate(self.history.system.categories)
             if category.role in _TRAPPED
         }
+        return {**parts, "trapped_volume": sum(parts.values())}
 
 
 def look_at(history: History) -> Look:

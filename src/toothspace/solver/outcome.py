@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,8 @@ def solution_from(
     ports, own = port_values(history, seen), system.arrays.chambers
     bodies = body_values(history, seen)
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
-    ledger = window_ledger(history).with_trapping(close.trapped_losses())
+    ledger = window_ledger(history)
+    ledger = replace(ledger, energy={**ledger.energy, **close.trapped_losses()})
     constants = constants_of(system, ports)
     by_pressure, by_drag = path_leakage(samples, shares(samples))
     if not has_tooth_contacts(system.description):
