@@ -24,6 +24,7 @@ from toothspace.films import (
     Pocket,
     RoughSurfaces,
 )
+from toothspace.films.journal.map import _shear
 from toothspace.films.summaries import bearing_summary, pad_summary, ring_summary
 
 UNITS = {
@@ -143,6 +144,16 @@ def test_a_ring_that_leans_another_way_is_the_same_film_turned() -> None:
     # turned about x by a positive angle, the face rises where y is positive
     quarter = 8
     assert one.gap_height[quarter].mean() > one.gap_height[-quarter].mean()
+
+
+def test_a_nearly_centred_journal_shears_its_whole_film() -> None:
+    """Hardly any cavity: viscous shear is that of a full film, at any size."""
+    for k in (1.0, 2.0):
+        film = JournalBearing(
+            diameter=k * 18e-3, length=k * 19e-3, radial_clearance=k * 8e-6,
+            dynamic_viscosity=1.0, grid=(48, 9), end_pressure=2e5, cavitation_pressure=0.0,
+        )  # fmt: skip
+        assert _shear(film, 1e-3) == pytest.approx(1.0, rel=1e-2)
 
 
 def test_a_ring_turned_the_other_way_is_its_mirror_image() -> None:
