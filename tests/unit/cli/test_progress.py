@@ -52,7 +52,7 @@ def test_nobody_listens() -> None:
 def test_running_in_and_run_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from toothspace.run import running_in
 
-    monkeypatch.setattr(running_in, "load", lambda key: None)
+    monkeypatch.setattr(running_in, "load_arrays", lambda path: None)
     monkeypatch.setattr(running_in, "save", lambda key, depths: None)
     told = Told()
     api.simulate(load_case(CASES / "egm12_pump.toml"), told)
