@@ -53,7 +53,7 @@ def test_running_in_and_run_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyP
     from toothspace.run import running_in
 
     monkeypatch.setattr(running_in, "load_arrays", lambda path: None)
-    monkeypatch.setattr(running_in, "save", lambda key, depths: None)
+    monkeypatch.setattr(running_in, "keep_arrays", lambda *given: None)
     told = Told()
     api.simulate(load_case(CASES / "egm12_pump.toml"), told)
     texts = [text for _, text in told.reports]

@@ -79,7 +79,7 @@ def test_a_track_that_still_changes_is_not_reached(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(running_in, "march_revolutions", restless)
     monkeypatch.setattr(running_in, "running_in_depths", lambda _: {"a": np.full(3, next(depths))})
     monkeypatch.setattr(running_in, "keep_arrays", lambda *_: None)
-    monkeypatch.setattr(running_in, "load", lambda _: None)
+    monkeypatch.setattr(running_in, "load_arrays", lambda _: None)
     case = load_case(PUMP)
     tracks = running_in.run_in(case, api.describe(case))
     assert tracks.change == pytest.approx(3e-6)
