@@ -21,7 +21,7 @@ import sys
 from collections.abc import Sequence
 
 from toothspace.core.errors import ToothspaceError
-from toothspace.core.interrupts import ending_interrupts
+from toothspace.core.interrupts import ending_interrupts, is_interrupt
 from toothspace.core.memory import is_short, load_linear_algebra
 
 EXIT_DONE = 0
@@ -75,11 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _out_of_memory()
     except Exception as error:
-        if isinstance(error, SystemError):
-            from toothspace.studies.points import is_interrupt
-
-            if is_interrupt(error):
-                return _complain("Interrupted.", EXIT_INTERRUPTED)
+        if is_interrupt(error):
+            return _complain("Interrupted.", EXIT_INTERRUPTED)
         # without memory libraries fail in words of their own
         return _out_of_memory() if is_short() else _unexpected(error)
     return int(code or EXIT_DONE)

@@ -19,6 +19,18 @@ _PAUSE = 0.02
 """Time after which a signal inside an import is handled again. [s]"""
 
 
+def is_interrupt(error: BaseException) -> bool:
+    """Whether an error is what became of a signal.
+
+    Where one comes while compiled code takes its arguments, the call gives a result and the
+    interrupt as well, and Python makes a SystemError of both.
+    """
+    found: BaseException | None = error if isinstance(error, SystemError) else None
+    while found is not None and not isinstance(found, KeyboardInterrupt):
+        found = found.__cause__ or found.__context__
+    return found is not None
+
+
 @contextmanager
 def interrupts_held() -> Iterator[Callable[[], None]]:
     """Hold signals that end the program back until the body is done; then they act.

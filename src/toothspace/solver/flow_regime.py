@@ -326,7 +326,7 @@ def along_spaces(pressure: float, difference: float, slices: int = 1) -> Iterato
         "warning",
         f"Oil needs up to {found} along a tooth space to leave it at one end; one pressure for "
         f"{'a space' if slices == 1 else 'a slice of it'} holds up to {allowed}, a twentieth of "
-        "that between the ports.",
+        f"that between the ports{'' if slices == 1 else f' for each of {slices} slices'}.",
         quantity="pressure along a tooth space",
         found=found,
         allowed=f"up to {allowed}",

@@ -15,6 +15,7 @@ from toothspace.case import Case, OperatingPoint
 from toothspace.core.compilation.sources import digest_of_sources
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
+from toothspace.core.interrupts import is_interrupt
 from toothspace.core.keys import suggestion
 from toothspace.core.progress import tell
 from toothspace.core.status import Status
@@ -211,18 +212,6 @@ def _key(item: Point, evaluate: Evaluate) -> str:
     name = getattr(evaluate, "label", None) or f"{evaluate.__module__}.{evaluate.__qualname__}"
     text = "\n".join((content, str(name), digest_of_sources()))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def is_interrupt(error: BaseException) -> bool:
-    """Whether an error is what became of a signal.
-
-    Where one comes while compiled code takes its arguments, the call gives a result and the
-    interrupt as well, and Python makes a SystemError of both.
-    """
-    found: BaseException | None = error if isinstance(error, SystemError) else None
-    while found is not None and not isinstance(found, KeyboardInterrupt):
-        found = found.__cause__ or found.__context__
-    return found is not None
 
 
 def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:

@@ -112,11 +112,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     wanted = {f"study.limits.{name}": name for name in study.limits or {}}
     require_known(wanted, case.label, over_time=case.circuit is not None)
     axes = axes_of(study.vary, case.label, case)
-    for axis in () if study.scrap_rate is None else axes:
-        if axis.values or not math.isfinite(axis.low + axis.high):
-            ranges = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
-            problem = CaseError(f"study.vary.{axis.path}", "a list, or no limits", ranges)
-            raise problem.in_file(case.label)
+    endless = [axis for axis in axes if axis.values or not math.isfinite(axis.low + axis.high)]
+    if study.scrap_rate is not None and endless:
+        ranges = "{tolerance}, {from, to} or {mean, deviation, from, to} with scrap_rate"
+        problem = CaseError(f"study.vary.{endless[0].path}", "a list, or no limits", ranges)
+        raise problem.in_file(case.label)
     indices = study.sensitivity == "sobol_indices"
     keys = [axis.path for axis in axes]
     dimensions = 2 * len(keys) if indices else len(keys)

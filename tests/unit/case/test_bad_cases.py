@@ -242,7 +242,7 @@ def test_changed_case_is_refused(
     line = complaint(capsys, file, tmp_path / "out.nc")
     assert f": {bad.key or bad.path}" in line
     assert bad.allowed in line[line.index("allowed ") :]
-    # what was found is told as large as it was given
+    # the value in the message is the one that was given
     said = re.search(r"found (-?[\d.e+-]+ [a-z]+), allowed", line)
     if said and not bad.key and isinstance(bad.value, str):
         given, shown = (to_si(*split_quantity(text)) for text in (bad.value, said[1]))

@@ -46,10 +46,10 @@ def test_slices_hold_and_open_what_the_whole_space_does(case: Path) -> None:
     whole, sliced = machine(case), machine(case, 3)
     assert sliced.chamber_count == 3 * whole.chamber_count
     for k, family in enumerate(whole.families):
-        places = [own.phases + own.angle_ratio * ANGLES[:, None] for own in (family,)]
+        places = family.phases + family.angle_ratio * ANGLES[:, None]
         parts = sliced.families[3 * k : 3 * k + 3]
         for name in ("volume", "volume_by_motion"):
-            (one,) = (getattr(family, name)(p) for p in places)
+            one = getattr(family, name)(places)
             all_ = sum(
                 getattr(part, name)(part.phases + part.angle_ratio * ANGLES[:, None])
                 for part in parts

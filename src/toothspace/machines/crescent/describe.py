@@ -56,9 +56,8 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
     # rules judge a tooth space as one chamber
     checks = LazySequence(partial(design_checks, assembly, families, paths, journals))
     slices, sliced = spec.pinion.axial_slices, None
-    outlines, laterals = (
-        SpaceOutlines(assembly, numbering), gear_bodies.lateral_films(assembly, numbering),
-    )  # fmt: skip
+    outlines = SpaceOutlines(assembly, numbering)
+    laterals = gear_bodies.lateral_films(assembly, numbering)
     if helix is not None and slices is not None:
         sliced = Slices(helix, slices, assembly.counts)
         families, paths = sliced.families(*across), sliced.paths(paths_across, across)
