@@ -190,7 +190,7 @@ def _of_kind(what: Callable[[Array], Any], values: Array, counts: Sequence[int])
 
 
 def _repeated(wave: Array, copies: int, step: float = 0.0) -> Array:
-    """Wave of a revolution from that of one of its parts, each a step higher; both ends included."""
+    """Wave of a revolution from one of its parts, each a step higher; both ends included."""
     if copies == 1:
         return wave
     parts = wave[:-1] + step * np.arange(copies)[:, None]
