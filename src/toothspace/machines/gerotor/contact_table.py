@@ -337,7 +337,7 @@ def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
     count = _OUTER_SAMPLES * rotors.outer_tooth_count
     step = rotors.outer_curve.length / count
     angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
-    place = step * np.arange(count)
+    place = np.asarray(step * np.arange(count), dtype=float)
     seen = _turned_to_inner(rotors, angle[:, None], rotors.outer_curve.point(place))
     searched = _SEARCHED * rotors.eccentricity
     # where the middle of a few neighbours is too far away, none of them is near
