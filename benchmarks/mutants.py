@@ -3,9 +3,13 @@
 ``python -m benchmarks.mutants`` puts every spoiled line of the list below into a copy of the
 package and runs the behaviour tests of its room there, without stored numbers. ``--random N`` draws
 further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``.
-``--wider`` asks verification and stored numbers where these see nothing. Each run has a cache of
-its own but for compiled code, whose files are named by what they are made of. The table says which
-test saw what; ``-o`` keeps it as JSON, and a command that was stopped goes on where it was.
+``--wider`` asks verification and stored numbers where these see nothing. ``--coverage FILE`` asks
+the whole fast suite, of which only those files count that execute the spoiled statement: FILE is
+the data of coverage.py with a context for every test, as ``pytest --cov=toothspace
+--cov-context=test`` of pytest-cov writes it. Compiled code is not in it, so all tests of its room
+are asked. Each run has a cache of its own but for compiled code, whose files are named by what they
+are made of. The table says which test saw what; ``-o`` keeps it as JSON, and a command that was
+stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -262,13 +266,56 @@ def nearest_first(mutant: Mutant) -> list[str]:
     return [file.relative_to(REPOSITORY).as_posix() for file in files]
 
 
-def judged(mutant: Mutant) -> Verdict:
+COMPILED = {"kernel", "njit", "merged", "inlined"}
+"""Marks of functions that run compiled, where no coverage is measured."""
+
+
+def executing(mutant: Mutant, data: Path) -> list[str]:
+    """Test files that execute a spoiled statement: of its room, others, stored numbers last.
+
+    Raises ImportError without coverage.py.
+    """
+    from coverage import CoverageData
+
+    kept = CoverageData(str(data))
+    kept.read()
+    text = (SOURCES / mutant.file).read_text(encoding="utf-8")
+    line = text[: mutant.place].count("\n") + 1
+    around = [
+        node
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0)
+    ]
+    marks = {
+        getattr(mark, "id", "")
+        for node in around
+        if isinstance(node, ast.FunctionDef)
+        for mark in node.decorator_list
+    }
+    closest = min(around, key=lambda node: (node.end_lineno or 0) - node.lineno)
+    measured = [x for x in kept.measured_files() if x.endswith(f"/toothspace/{mutant.file}")]
+    by_line = kept.contexts_by_lineno(measured[0]) if measured else {}
+    tests = {
+        context.partition("::")[0]
+        for number in range(closest.lineno, (closest.end_lineno or 0) + 1)
+        for context in by_line.get(number, ())
+        if "::" in context
+    }
+    near = [file for file in nearest_first(mutant) if marks & COMPILED or file in tests]
+    others = sorted(tests - {*near}, key=lambda file: (file.startswith("tests/regression"), file))
+    return [*near, *others]
+
+
+def judged(mutant: Mutant, data: Path | None = None) -> Verdict:
     """Run the tests of a spoiled line against a copy of the package.
 
     A test that fails is asked again with the line as it was: one that then fails as well, or cannot
     be read, says nothing of the line, and the others go on without it.
     """
     started = time.perf_counter()
+    asked = executing(mutant, data) if data else nearest_first(mutant)
+    if not asked:
+        return Verdict(mutant, "survived", "", 0.0)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "toothspace"
         cache = Path(folder) / "cache" / "toothspace"
@@ -279,7 +326,7 @@ def judged(mutant: Mutant) -> Verdict:
         shutil.copytree(REPOSITORY / "cases", copy / "shipped" / "cases")
         file = copy / mutant.file
         whole = file.read_text(encoding="utf-8")
-        asked, silent = nearest_first(mutant), list[str]()
+        silent = list[str]()
         while True:
             file.write_text(mutant.spoiled(whole), encoding="utf-8")
             code, test = asked_of(asked, copy.parent, silent)
@@ -336,13 +383,14 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--room", choices=sorted(ROOMS), nargs="+", default=sorted(ROOMS))
     parser.add_argument("--wider", action="store_true", help="ask verification, stored numbers")
+    parser.add_argument("--coverage", type=Path, metavar="FILE", help="ask all that execute it")
     parser.add_argument("-o", "--output", type=Path, help="verdicts as JSON")
     given = parser.parse_args()
     drawn = list(random_mutants(given.random, given.seed, given.room))
     chosen = drawn if given.random else list(MUTANTS)
     verdicts = read(given.output)
     for mutant in chosen[len(verdicts) :]:
-        verdict = judged(mutant)
+        verdict = judged(mutant, given.coverage)
         if given.wider and verdict.outcome == "survived":
             verdict = judged(replace(mutant, tests=WIDER))
         verdicts.append(verdict)
@@ -352,11 +400,15 @@ def main() -> int:
         change = f"{mutant.before.strip()} -> {mutant.after.strip()}"
         line = f"{verdict.outcome:9}  {verdict.seconds:5.0f} s  {mutant.file}: {change}"
         print(f"{line}  {verdict.test}", flush=True)
+    near = sum(
+        verdict.test.partition("::")[0] in nearest_first(verdict.mutant) for verdict in verdicts
+    )
     stored = sum("tests/regression" in verdict.test for verdict in verdicts)
     survived = sum(verdict.outcome in {"survived", "not judged"} for verdict in verdicts)
     noticed = len(verdicts) - survived
     print(
-        f"{noticed} of {len(verdicts)} spoiled lines were noticed, {stored} by stored numbers alone"
+        f"{noticed} of {len(verdicts)} spoiled lines were noticed, {near} by tests of their room, "
+        f"{stored} by stored numbers alone"
     )
     return int(survived > 0 and not given.random)
 

@@ -75,6 +75,20 @@ def test_contacts_hand_the_load_over(history: History) -> None:
     assert len(made) >= 2
 
 
+def test_events_are_told_where_contacts_begin_and_cease_to_carry(history: History) -> None:
+    """The force of the contact that is named vanishes before or after, within a sample."""
+    force = observe(history.system.arrays, history.states).contact_force
+    speed, labels = history.system.condition.shaft_speed, list(history.system.contact_labels)
+    told = [event for event in history.events if event.time > history.times[1]]
+    assert len(told) >= 2
+    for event in told:
+        assert event.shaft_angle == pytest.approx(speed * event.time, rel=1e-12)
+        after = int(np.searchsorted(history.times, event.time))
+        change = force[[after - 1, min(after, len(force) - 1)], labels.index(event.label)]
+        without, loaded = change if event.kind == "contact_made" else change[::-1]
+        assert without == 0.0 < loaded, event
+
+
 def test_jacobian_is_the_derivative_of_the_rates(history: History) -> None:
     """Central differences by every position and velocity, at the sample of largest force."""
     system = history.system

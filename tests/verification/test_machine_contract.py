@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from dataclasses import replace
 from functools import cache
@@ -180,6 +181,36 @@ def test_numbers_of_a_cycloidal_set_by_hand() -> None:
         "land beside the kidneys to the shaft": 100.0 * (12.5 - 6.245) / (12.49 - 6.245),
     }
     assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-5)
+
+
+NUMBER = r"(-?[0-9.]+(?:e-?[0-9]+)?)"
+RANGES = (
+    (rf"{NUMBER}(?: [a-z]+)?(?: \([^)]*\))? to {NUMBER}", lambda value, a, b: a <= value <= b),
+    (rf"at least {NUMBER}", lambda value, least: value >= least),
+    (rf"above {NUMBER}", lambda value, least: value > least),
+    (rf"up to {NUMBER}", lambda value, most: value <= most),
+    (rf"below {NUMBER}", lambda value, most: value < most),
+    (rf"below the [a-z ]+ of {NUMBER}", lambda value, most: value < most),
+    (rf"{NUMBER} [a-z0-9]+", lambda value, same: abs(value - same) < 1e-3),
+)
+"""How a range is told, and when a number lies in it."""
+IN_WORDS = {"trapped volume change", "overlap ratio"}
+"""Told by a formula, or as what lies near one of several numbers."""
+
+
+@pytest.mark.parametrize("name", [*FIRST, "fuel14_pump"])
+def test_what_is_allowed_in_words_is_what_a_check_is_judged_by(name: str) -> None:
+    """Lengths that are told in modules too are as many of them, of one module."""
+    modules = []
+    judged = [check for check in described(name).checks if check.name not in IN_WORDS]
+    assert len(judged) >= 8
+    for check in judged:
+        found = [(re.match(text, check.allowed), holds) for text, holds in RANGES]
+        match, holds = next((m, holds) for m, holds in found if m)
+        assert holds(check.value, *map(float, match.groups())) == check.passed, check
+        for length, times in re.findall(rf"{NUMBER} mm \({NUMBER} modules\)", check.allowed):
+            modules.append(float(length) / float(times))
+    assert np.ptp(modules or [0.0]) <= 0.01 * max(modules, default=0.0)
 
 
 DENSITY = {"external_gear": 7850.0, "gerotor": 6900.0, "crescent": 7850.0}

@@ -16,6 +16,7 @@ from toothspace.cli import main
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import Section, export_section, smooth_pieces
+from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.cad import export_profiles
 from toothspace.machines.gerotor.pockets import lobe_path, pockets
@@ -64,13 +65,13 @@ def test_rotors_survive_a_round_trip(design, suffix, tmp_path):
 
 
 def test_bore_and_rim_are_in_the_solid(tmp_path):
-    """Areas of a section file: toothed curve less bore, rim less toothed curve."""
-    import ezdxf
-
+    """Circles of a section file: the bore within the toothed curve, the rim round the other."""
     spec = machine(replace(TROCHOIDAL, shaft_diameter=10e-3))
-    inner, outer = export_profiles(spec, tmp_path / "pump", "dxf")
-    counts = [len(list(ezdxf.readfile(path).modelspace())) for path in (inner, outer)]
-    assert counts == [2, 2]
+    inner, outer = (load_closed_curves(p) for p in export_profiles(spec, tmp_path / "pump", "dxf"))
+    assert len(inner) == len(outer) == 2
+    rim = 0.5 * spec.housing.outer_rotor_diameter
+    for circle, radius in ((inner[1], 5e-3), (outer[0], rim)):
+        assert np.hypot(*circle.T) == pytest.approx(radius, rel=1e-9)
 
 
 def test_pieces_join_at_corners():

@@ -131,6 +131,24 @@ def test_first_designs_grow_with_their_displacement(
             assert found["casing.radial_clearance"] == pytest.approx(parts, abs=1e-6)
 
 
+LEAST_GAPS = {
+    "gerotor": {"rotors.tip_clearance": 8, "housing.radial_clearance": 10, "lateral.side_gap": 8},
+    "crescent": {
+        "pinion.normal_backlash": 40, "ring.radial_clearance": 15, "filler.pinion_clearance": 8,
+        "filler.ring_clearance": 8,
+    },
+}  # fmt: skip
+"""Gaps of the smallest first designs, in micrometres."""
+
+
+@pytest.mark.parametrize("machine", LEAST_GAPS)
+def test_the_smallest_designs_keep_gaps_that_can_be_made(machine: str) -> None:
+    for volume in (1e-3, 1e-4):
+        found = numbers(machine, volume, 200.0, 1500.0)
+        gaps = {key: 1e6 * found[key] for key in LEAST_GAPS[machine]}
+        assert gaps == pytest.approx(LEAST_GAPS[machine])
+
+
 def test_harder_squeezed_meshes_get_nearer_and_deeper_grooves() -> None:
     """Speed times four at the same size: 16 times the squeezing, so 2^4."""
     slow, fast = (numbers("external_gear", 12.0, 200.0, speed) for speed in (500.0, 4000.0))

@@ -182,6 +182,21 @@ def test_a_plate_radiates_no_more_than_it_gets_and_mounts_keep_it_quiet() -> Non
     assert sound_powers(forces, CASING, thick)["plate"][0] < 1e-6 * damped
 
 
+def test_a_machine_on_very_soft_mounts_moves_as_a_free_one() -> None:
+    """Lifted by F/(omega m), rocked about its feet by M/(omega I), which its shaft follows."""
+    soft = replace(PLATE, mount_stiffness=1e-3)
+    order, moment = 40.0, 1.5
+    omega = order * SPEED
+    lifted = only(order, **{NET_Y: 5.0})
+    free = sound_powers(lifted, CASING, None)["motion"]
+    assert sound_powers(lifted, CASING, soft)["motion"] == pytest.approx(free, rel=1e-5)
+    inertia = CASING.mass * (0.4 * CASING.radius**2 + PLATE.shaft_height**2)
+    rocked = moment / (omega * inertia) * PLATE.shaft_height
+    expected = free * (rocked / (5.0 / (omega * CASING.mass))) ** 2
+    found = sound_powers(only(order, **{NET_MOMENT: moment}), CASING, soft)["motion"]
+    assert found == pytest.approx(expected, rel=1e-5)
+
+
 def test_twice_the_force_is_six_decibels() -> None:
     names = {NET_X: 1.0, NET_Y: 2.0, NET_MOMENT: 0.3}
     once = sound_powers(only(50.0, **names), CASING, PLATE)

@@ -1,0 +1,50 @@
+"""Files of the parts of a machine have the dimensions that its case gives them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from toothspace import api
+from toothspace.core.registry import optional_function
+from toothspace.core.types import Array
+from toothspace.geometry.cad_import import load_closed_curves
+
+CASES = Path(__file__).resolve().parents[3] / "cases"
+MACHINES: dict[str, Any] = {
+    "egm12_pump": lambda spec: {"drive": (0.5 * spec.drive.tooth.tip_diameter, None)},
+    "crescent_pump": lambda spec: {
+        "pinion": (0.5 * spec.pinion.tip_diameter, None),
+        "ring": (0.5 * spec.ring.outer_diameter, 0.5 * spec.ring.tip_diameter),
+    },
+    "gerotor_trochoidal": lambda spec: {
+        # lobes of the outer rotor stand at its generating radius, tips of the inner one reach them
+        "outer": (
+            0.5 * spec.housing.outer_rotor_diameter,
+            spec.rotors.generating_radius - spec.rotors.lobe_radius,
+        ),
+    },
+}
+"""Outside radius of the parts of a machine and the least radius of their holes, if any. [m]"""
+
+
+def radii(curve: Array) -> Array:
+    return np.asarray(np.hypot(*curve.T))
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_parts_have_the_diameters_of_the_case(name: str, tmp_path: Path) -> None:
+    case = api.load_case(CASES / f"{name}.toml")
+    export = optional_function(case.machine_type, "export_profiles")
+    assert export is not None
+    paths = export(case.machine_spec, tmp_path / "part", "dxf")
+    files = {path.stem.rpartition("_")[2]: load_closed_curves(path) for path in paths}
+    for part, (outside, hole) in MACHINES[name](case.machine_spec).items():
+        curves = files[part]
+        assert radii(curves[0]).max() == pytest.approx(outside, rel=1e-5), part
+        assert len(curves) == (1 if hole is None else 2), part
+        if hole is not None:
+            assert radii(curves[1]).min() == pytest.approx(hole, rel=1e-3), part
