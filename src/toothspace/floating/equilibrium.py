@@ -42,6 +42,8 @@ _PUSH_TIME = 0.3
 _UNSTABLE = "forces balance where the smallest motion grows by {:.3g} 1/s"
 _SAME_PLACE = 1e-10
 """Distance up to which a bearing counts as held where it was. [m]"""
+_SAME_FRICTION = 0.01
+"""Part of the friction of sliding up to which it counts as that. [-]"""
 _RELAXATIONS = 150
 """Most film solutions of the relaxation without squeeze."""
 NodePressure = Callable[[float], Array]
@@ -128,9 +130,10 @@ def find_equilibrium(
         if length <= 1e-12:
             return Equilibrium(now, False, time, number, "its time is over")
         like, ends = None, False
-        if known is not None:
-            ends = begun is not None and _ends_like(stack, loads, now, known.balance)
-            like = known.balance if ends else known.begun if begun is None else None
+        if known is not None and begun is None:
+            like = known.begun
+        elif known is not None and _ends_like(stack, loads, now, known.balance):
+            like, ends = replace(known.balance, slides=now.slides), True
         duration = search.longest_time - time if ends else length
         found = advance(stack, snapshots, loads, now, duration, step, like=like)
         if ends:
@@ -168,14 +171,22 @@ def find_equilibrium(
 def _ends_like(stack: Stack, loads: Loads, now: Balance, end: Balance) -> bool:
     """Whether the place of an equilibrium follows from how bearings stick and slide now.
 
-    It does without friction, and where every bearing slides on in one sense or stays where it is; a
-    bearing that comes to rest on its way, or creeps by a smooth law, has to be followed.
+    It does without friction, and where every bearing stays where it is or slides on in one sense,
+    until the friction of sliding is all that is left. A bearing that comes to rest before, or
+    creeps by a smooth law, has to be followed.
     """
     if not loads.decide_slides:
         return loads.friction.coulomb_force == 0.0
-    ways = [abs(float(lever @ (end.position - now.position))) for lever in stack.levers]
-    pairs = zip(now.slides, end.slides, ways, strict=True)
-    return all(a == b and (a != 0 or way <= _SAME_PLACE) for a, b, way in pairs)
+    for k, (lever, sense) in enumerate(zip(stack.levers, now.slides, strict=True)):
+        way, sliding = float(lever @ (end.position - now.position)), loads.law(k).coulomb_force
+        if sense == 0:
+            same = end.slides[k] == 0 and abs(way) <= _SAME_PLACE
+        else:
+            left = abs(end.friction[k] + sense * sliding)
+            same = sense * way >= 0.0 and left <= _SAME_FRICTION * sliding
+        if not same:
+            return False
+    return True
 
 
 def _leaning(
