@@ -71,7 +71,7 @@ class Equilibrium:
     """Outcome of a search."""
 
     balance: Balance
-    """Last state."""
+    """Last state; if settled with stiffness and damping of its own films."""
     settled: bool
     """Whether the remaining motion is negligible."""
     time: float
@@ -130,8 +130,8 @@ def find_equilibrium(
         if length <= 1e-12:
             return Equilibrium(now, False, time, number, "its time is over")
         like, ends = None, False
-        if known is not None and begun is None:
-            like = known.begun
+        if known is not None and begun is None and loads.friction.coulomb_force != 0.0:
+            like = known.begun  # the first step tells whether friction lets go
         elif known is not None and _ends_like(stack, loads, now, known.balance):
             like, ends = replace(known.balance, slides=now.slides), True
         duration = search.longest_time - time if ends else length
@@ -155,7 +155,8 @@ def find_equilibrium(
         if rests or _viscous(stack, now) > search.residual_motion * scale:
             continue
         # Newton's method stops at saddles too: a state counts that small motions return to
-        rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
+        now = replace(now, jacobian=film_coefficients(now.states, step.fineness))
+        rate, motion = growing_motion(stack, now, loads) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number, begun=begun)
         if pushes == _MOST_PUSHES:
@@ -212,7 +213,8 @@ def _leaning(
     if not last.converged:
         reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
         return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
-    rate, _ = growing_motion(stack, last, loads, step)
+    last = replace(last, jacobian=film_coefficients(last.states, step.fineness))
+    rate, _ = growing_motion(stack, last, loads)
     if rate * search.longest_time > 1.0:
         return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
     settled = _viscous(stack, last) <= search.residual_motion * balance_force(stack, loads.back)
@@ -263,9 +265,7 @@ _UNDAMPED = 1e-12
 """Damping over the largest from which it is rounding. [-]"""
 
 
-def growing_motion(
-    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
-) -> tuple[float, Array]:
+def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
     """Fastest growth of a motion that tips bodies in equilibrium, and its shape.
 
     Rate [1/s], zero if every motion decays, and coordinates with the largest one. [m, rad]
@@ -273,11 +273,9 @@ def growing_motion(
     Parameters
     ----------
     balance : Balance
-        Equilibrium; bearings that friction holds take no part.
+        Equilibrium with its stiffness and damping; bearings that friction holds take no part.
     loads : Loads
         Friction in the housing.
-    step : StepSettings
-        Basis functions of the deformation that is taken along.
 
     Notes
     -----
@@ -286,7 +284,8 @@ def growing_motion(
     motions circle. Those that circle faster than they grow do not tip a body, and are left out,
     as are those that no film damps: a cover holds all that moves together.
     """
-    stiffness, damping = film_coefficients(balance.states, step.fineness)
+    assert balance.jacobian is not None
+    stiffness, damping = balance.jacobian
     stiffness = stiffness + stop_forces(stack, balance.position)[1]
     every = np.eye(stack.size)[:, stack.free]
     if not loads.decide_slides:
