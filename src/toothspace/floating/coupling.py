@@ -376,6 +376,7 @@ class _LeakageSearch:
         self._ends: tuple[Trial, Trial] | None = None
         self._position: Array | None = None
         self._stiffness = 0.0
+        self._rest: SettledBearing | None = None
 
     def advance(self) -> tuple[CoupledPoint, bool]:
         """Make one more lumped run and find the equilibrium; return whether both agree, too."""
@@ -422,7 +423,12 @@ class _LeakageSearch:
         """Equilibrium at the pressures of the run; sets how the paths leak in the next one."""
         start = self._asked.start
         begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
-        found = settle_bearing(problem, begun)
+        if self._rest is None:
+            found = settle_bearing(problem, begun)
+        else:
+            last = self._rest
+            found = settle_bearing(problem, begun, last.temperatures, last.equilibrium)
+        self._rest = found
         if leakage <= 0.0 or found.numbers.leakage <= 0.0:
             return found
         # friction holds a bearing that did not move: its leakage then says nothing of its balance

@@ -17,6 +17,7 @@ from toothspace.floating.motion import (
     StepSettings,
     advance,
     balance_force,
+    drag_force,
     stopped,
 )
 from toothspace.floating.stack import (
@@ -39,6 +40,8 @@ _PUSH, _FAR = 0.05, 1e3
 _PUSH_TIME = 0.3
 """Length of the next step over the time in which the motion grows. [-]"""
 _UNSTABLE = "forces balance where the smallest motion grows by {:.3g} 1/s"
+_SAME_PLACE = 1e-10
+"""Distance up to which a bearing counts as held where it was. [m]"""
 _RELAXATIONS = 150
 """Most film solutions of the relaxation without squeeze."""
 NodePressure = Callable[[float], Array]
@@ -75,6 +78,8 @@ class Equilibrium:
     """Steps taken."""
     reason: str = ""
     """Why there is no equilibrium, in words."""
+    begun: Balance | None = None
+    """State after the first step."""
 
 
 def snapshots_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Snapshot, ...]:
@@ -91,6 +96,7 @@ def find_equilibrium(
     start: Balance,
     search: SearchSettings,
     step: StepSettings,
+    known: Equilibrium | None = None,
 ) -> Equilibrium:
     """Let bearings and gears move under mean forces until they settle or the time is over.
 
@@ -100,37 +106,55 @@ def find_equilibrium(
         Bodies and films, shaft angles over which forces are averaged, other loads.
     start : Balance
         Where the motion starts; it begins from rest.
+    known : Equilibrium, optional
+        What a search from there found at nearly the same pressures and viscosities. Of several
+        equilibria that lie on the way the one next to it is found.
 
     Notes
     -----
     Implicit steps that grow as long as they succeed: accurate in time at first, Newton's method
     for the equilibrium in the end. A step that fails is repeated with a tenth of its length; after
     the sixth the way is followed without squeeze, see :func:`relax`. Newton's method also ends
-    where a small motion grows: such a state is pushed aside, and the search goes on.
+    where a small motion grows: such a state is pushed aside, and the search goes on. Once bearings
+    stick and slide as at the end of a known search, one step tries to reach its end.
     """
     now, time, length = stopped(start), 0.0, search.first_step
     scale, failures, pushes = balance_force(stack, loads.back), 0, 0
     still = np.zeros(stack.size)
+    begun: Balance | None = None
+    known = known if known is not None and known.settled else None
     for number in range(1, _MOST_STEPS + 1):
         length = min(length, search.longest_time - time)
         if length <= 1e-12:
             return Equilibrium(now, False, time, number, "its time is over")
-        found = advance(stack, snapshots, loads, now, length, step)
-        if not found.converged:
+        like, ends = None, False
+        if known is not None:
+            ends = begun is not None and _ends_like(stack, loads, now, known.balance)
+            like = known.balance if ends else known.begun if begun is None else None
+        duration = search.longest_time - time if ends else length
+        found = advance(stack, snapshots, loads, now, duration, step, like=like)
+        if ends:
+            known = None
+            if not found.converged:
+                continue
+        elif not found.converged:
             length, failures = 0.1 * length, failures + 1
             if failures >= _MOST_FAILURES:
                 return _leaning(stack, snapshots, loads, now, time, number, search, step)
             continue
-        now, time = found, time + length
-        # a step that took few iterations was short for what moved
-        length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
+        else:
+            begun, time = begun or found, time + length
+            # a step that took few iterations was short for what moved
+            length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
+        now = found
         # the first steps begin from rest, where no damping is left to tell a motion by
-        if _viscous(stack, now) > search.residual_motion * scale or number <= 2:
+        rests = number <= 2 and not ends
+        if rests or _viscous(stack, now) > search.residual_motion * scale:
             continue
         # Newton's method stops at saddles too: a state counts that small motions return to
         rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
-            return Equilibrium(now, True, time, number)
+            return Equilibrium(now, True, time, number, begun=begun)
         if pushes == _MOST_PUSHES:
             return Equilibrium(now, False, time, number, _UNSTABLE.format(rate))
         far = motion * _FAR
@@ -139,6 +163,19 @@ def find_equilibrium(
         states = tuple(replace(s, position=s.position + aside, velocity=rest) for s in now.states)
         now, length, pushes = replace(now, states=states), _PUSH_TIME / rate, pushes + 1
     return Equilibrium(now, False, time, _MOST_STEPS, "it still moves after the last step")
+
+
+def _ends_like(stack: Stack, loads: Loads, now: Balance, end: Balance) -> bool:
+    """Whether the place of an equilibrium follows from how bearings stick and slide now.
+
+    It does without friction, and where every bearing slides on in one sense or stays where it is; a
+    bearing that comes to rest on its way, or creeps by a smooth law, has to be followed.
+    """
+    if not loads.decide_slides:
+        return loads.friction.coulomb_force == 0.0
+    ways = [abs(float(lever @ (end.position - now.position))) for lever in stack.levers]
+    pairs = zip(now.slides, end.slides, ways, strict=True)
+    return all(a == b and (a != 0 or way <= _SAME_PLACE) for a, b, way in pairs)
 
 
 def _leaning(
@@ -174,10 +211,9 @@ def _leaning(
 def _viscous(stack: Stack, balance: Balance) -> float:
     """Largest force of the films' damping on a lift; infinite where no film damps a motion. [N]."""
     assert balance.jacobian is not None
-    damping = balance.jacobian[1]
-    if balance.velocity.any() and not damping.any():
+    if balance.velocity.any() and not balance.jacobian[1].any():
         return np.inf
-    return float(np.abs(damping @ balance.velocity)[::3].max())
+    return drag_force(balance.jacobian, balance.velocity)
 
 
 def march_angles(
@@ -242,7 +278,7 @@ def growing_motion(
     stiffness, damping = film_coefficients(balance.states, step.fineness)
     stiffness = stiffness + stop_forces(stack, balance.position)[1]
     every = np.eye(stack.size)[:, stack.free]
-    if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
+    if not loads.decide_slides:
         motions = every
     else:
         bars = zip(stack.levers, balance.slides, strict=True)

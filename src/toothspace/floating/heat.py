@@ -44,7 +44,10 @@ class SettledBearing:
 
 
 def settle_bearing(
-    problem: LateralProblem, start: Balance, begin: Array | None = None
+    problem: LateralProblem,
+    start: Balance,
+    begin: Array | None = None,
+    known: Equilibrium | None = None,
 ) -> SettledBearing:
     """Find the equilibrium; films that are to warm up get the viscosity that their heat gives.
 
@@ -56,6 +59,8 @@ def settle_bearing(
         Where bearings and gears start, in every round.
     begin : ndarray, optional
         Temperatures that the films begin with; default that of the supply. [K]
+    known : Equilibrium, optional
+        What settled from the same start at nearly the same pressures.
 
     Notes
     -----
@@ -66,7 +71,7 @@ def settle_bearing(
     """
     heating = problem.settings.heating
     if heating is None:
-        found = problem.settle(start)
+        found = problem.settle(start, known)
         numbers = numbers_of(problem, found.balance)
         return SettledBearing(problem=problem, equilibrium=found, numbers=numbers)
     supply = heating.balance.supply_temperature
@@ -78,7 +83,7 @@ def settle_bearing(
             thinned = replace(law.fluid, dynamic_viscosity=law.fluid.dynamic_viscosity * ratio)
             laws.append(law._replace(fluid=thinned))
         heated = replace(problem, stack=replace(problem.stack, laws=tuple(laws)))
-        found = heated.settle(start)
+        found = known = heated.settle(start, known)
         # mean temperature of every film from its dissipated power and its flow. [K]
         own, count = heating.balance, len(found.balance.states)
         power, flow = np.zeros((2, len(found.balance.states[0].films)))

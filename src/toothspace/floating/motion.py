@@ -48,6 +48,8 @@ class StepSettings:
 
     force_tolerance: float = 1e-6
     """Residual force over the balance force. [-]"""
+    drag_tolerance: float = 0.0
+    """Residual force over the viscous force of the motion, where that allows more. [-]"""
     film_tolerance: float = 1e-3
     """Change of deformation over the gap in one iteration. [-]"""
     max_iterations: int = 40
@@ -68,6 +70,11 @@ class Loads(NamedTuple):
     back: BackPressure
     friction: HousingFriction  # of every floating bearing
     parts: tuple[HousingFriction, ...] = ()  # of its parts, if it is split
+
+    @property
+    def decide_slides(self) -> bool:
+        """Whether a bearing sticks or slides; without friction or by a smooth law it moves."""
+        return self.friction.holds and self.friction.coulomb_force != 0.0
 
     def law(self, part: int) -> HousingFriction:
         """Friction of one floating bearing or part."""
@@ -141,6 +148,7 @@ def advance(
     duration: float,
     settings: StepSettings,
     follows: bool = False,
+    like: Balance | None = None,
 ) -> Balance:
     """Move by one implicit Euler step under the mean of the forces in all snapshots.
 
@@ -159,16 +167,22 @@ def advance(
     follows : bool
         Whether the snapshot follows on that of the state before by the length of the step, so that
         the change of the deformation squeezes the films. Snapshots averaged over leave that out.
+    like : Balance, optional
+        Similar state at the end of such a step, whose films the step begins with, and whose place
+        where bearings slide alike; default the state before.
     """
     previous = PreviousStep(former.states[0], duration) if follows else None
     start = former.position, former.velocity
     task = _StepTask(stack, tuple(snapshots), loads, settings, *start, duration, previous)
-    if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
-        return _solve(task, former, None)
-    return _solve(task, former, former.slides)
+    ahead = task.start + _HEAD * duration * former.velocity
+    slides = former.slides if loads.decide_slides else None
+    if like is None:
+        return _solve(task, former, ahead, slides)
+    place = like.position if slides is None or slides == like.slides else ahead
+    return _solve(task, like, place, slides)
 
 
-def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> Balance:
+def _solve(task: _StepTask, former: Balance, q: Array, slides: tuple[int, ...] | None) -> Balance:
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
     states = former.states
@@ -180,7 +194,6 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
     deformation = DeformationIteration(states, angles, settings.memory, *kept, frequency)
     # where the deformation is kept, forces show no derivative with the positions alone
     repeated = settings.jacobian_age > 1 and settings.memory == 0
-    q = task.start + _HEAD * task.duration * task.velocity
     jacobian, age = deformation.serving(former.jacobian, former.age)
     best, error, failures, converged = np.inf, np.inf, 0, False
     quick = stack.with_passes(settings.passes)
@@ -214,7 +227,9 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
             found, revised, firm = _decided(task, states, jacobian, 0.0, v, slides, steady)
         slides = deformation.beside(slides, revised)
         error, best = found.error, found.error / task.scale
-        balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
+        goal = settings.force_tolerance * task.scale
+        goal = max(goal, settings.drag_tolerance * drag_force(jacobian, v))
+        balanced = error <= goal and change <= settings.film_tolerance
         converged = balanced and settled and firm
         step = found.step
         if converged or not np.isfinite(step).all() or not change < _LOST:
@@ -361,6 +376,11 @@ def _friction(task: _StepTask, v: Array, slides: tuple[int, ...] | None, holding
         # a search that is left just as a bearing comes to rest has no force for it yet
         found[k] = next(stuck, 0.0) if sense == 0 else -sense * task.loads.law(k).coulomb_force
     return found
+
+
+def drag_force(jacobian: tuple[Array, Array], velocity: Array) -> float:
+    """Largest force of the films' damping on a lift. [N]."""
+    return float(np.abs(jacobian[1] @ velocity)[::3].max())
 
 
 def balance_force(stack: Stack, back: BackPressure) -> float:

@@ -64,6 +64,8 @@ _FINENESS = Fineness(waves=16, degree=2, phases=6)
 """Basis functions of the deformation that are predicted: those of the teeth are the finest. [-]"""
 _IN_MARCH = Fineness(waves=12, degree=2, phases=8)
 """The same in a march: a step begins so near its end that fewer basis functions do."""
+_ON_THE_WAY = 0.01
+"""Force out of balance over the viscous one at which a step of the search is done. [-]"""
 _HELD = 1e6
 """Stiffness of the holding spring over the force behind the bearing. [1/m]"""
 _MEMORY = 2
@@ -123,13 +125,18 @@ class LateralProblem:
         stack = replace(self.stack, holding_spring=HoldingSpring(opening, stiffness))
         return replace(self, stack=stack, loads=Loads(self.loads.back, free))
 
-    def settle(self, start: Balance) -> Equilibrium:
-        """Let bearings and gears move until they settle, forces averaged over a pitch."""
+    def settle(self, start: Balance, known: Equilibrium | None = None) -> Equilibrium:
+        """Let bearings and gears move until they settle, forces averaged over a pitch.
+
+        ``known`` is what settled from the same start at nearly the same pressures and viscosities.
+        """
         search = SearchSettings(longest_time=self.settings.dwell)
+        # on the way the bodies need follow no closer than implicit steps that grow by three do
+        step = replace(self._step(1e-6), drag_tolerance=_ON_THE_WAY)
         # films of bodies that fly apart overflow: the search ends and says so
         with cores_for_fields(), np.errstate(over="ignore", invalid="ignore"):
             return find_equilibrium(
-                self.stack, self.snapshots, self.loads, start, search, self._step(1e-6)
+                self.stack, self.snapshots, self.loads, start, search, step, known
             )
 
     def march(

@@ -150,8 +150,10 @@ class GearParameters(HelicalGearParameters):
     )
     family: str = choice(
         "Outline of generated teeth: involutes, or those of continuous contact whose tips roll "
-        "through the roots of an equal gear at a centre distance of one pitch diameter.",
+        "through the roots of an equal gear at a centre distance of one pitch diameter; "
+        "'continuous_contact' says that of a profile file.",
         "involute",
+        "continuous_contact",
         *FAMILIES,
         default="involute",
     )
@@ -174,11 +176,18 @@ class GearParameters(HelicalGearParameters):
     def __post_init__(self) -> None:
         if self.is_continuous:
             reason = f'with family = "{self.family}"'
-            forbid(self, reason, "profile", "tooth_deviations", "tool_tip_radius")
-            forbid(self, f"{reason}: pitch circles touch", "center_distance")
+            forbid(self, reason, "tooth_deviations", "tool_tip_radius")
             forbid(self, f"{reason}: mating teeth cut its tooth spaces in two", "axial_slices")
-            others = {"tip_diameter", "pressure_angle", "root_clearance"} - set(self._shape_keys)
-            forbid(self, reason, *sorted(others))
+            if self.is_drawn:
+                require(self, reason, "profile")
+                forbid(self, f"{reason}: tips are those of the file", "tip_land", "root_clearance")
+                if self.profile_teeth == "own":
+                    raise CaseError("profile_teeth", "'own'", f"'equal' {reason}")
+            else:
+                forbid(self, reason, "profile")
+                forbid(self, f"{reason}: pitch circles touch", "center_distance")
+                others = {"tip_diameter", "pressure_angle", "root_clearance"}
+                forbid(self, reason, *sorted(others - set(self._shape_keys)))
             for name in ("profile_shift", "dedendum"):
                 if getattr(self, name) != keys_of(type(self))[name][1].default:
                     raise CaseError(name, f"{getattr(self, name):g}", f"leave it out {reason}")
@@ -200,6 +209,11 @@ class GearParameters(HelicalGearParameters):
         return self.family != "involute"
 
     @property
+    def is_drawn(self) -> bool:
+        """Whether tips roll through roots as drawn in a file."""
+        return self.family == "continuous_contact"
+
+    @property
     def _shape_keys(self) -> tuple[str, ...]:
         return SHAPE_KEYS.get(self.family, ())
 
@@ -212,7 +226,7 @@ class GearParameters(HelicalGearParameters):
         return "tooth_count", "module", *shape, "normal_backlash"
 
     def continuous_gear(self) -> ContinuousGear:
-        """Return the gear of continuous contact in the transverse section."""
+        """Return the generated gear of continuous contact in the transverse section."""
         assert self.tooth_count is not None
         assert self.module is not None
         module, arcs = self.module / self.slope, self.family == "arc_involute_arc"
@@ -666,9 +680,9 @@ class ExternalGearSpec:
 
     @property
     def continuous(self) -> ContinuousGear | None:
-        """Gears of continuous contact; None for other teeth."""
+        """Generated gears of continuous contact; None for other teeth."""
         gears = self.keys.gears
-        return gears.continuous_gear() if gears.is_continuous else None
+        return gears.continuous_gear() if gears.is_continuous and not gears.is_drawn else None
 
     @property
     def shaft_radius(self) -> float:
