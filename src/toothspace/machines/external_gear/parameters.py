@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.signals import read_grid
 from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import TOOTH_KEYS, read_contours
+from toothspace.gearing.gear_tables import GROOVE_DEPTH, TOOTH_KEYS, read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.cad_import import is_solid
 from toothspace.geometry.continuous_contact import (
@@ -133,6 +133,14 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
 
         polygons, depth = groove_contours(machine, drive, driven, distance)
         relief = grooves.outlined(polygons, depth, "relief_grooves.contour")
+    lagging = None
+    if grooves is not None and grooves.lagging_face is not None:
+        if machine.gears.helix_angle == 0.0:
+            allowed = "a helix_angle of the gears: the ends of spur teeth come together"
+            raise CaseError("relief_grooves.lagging_face", "a table", allowed)
+        own, key = grooves.lagging(), "relief_grooves.lagging_face.contour"
+        polygons = read_contours(own.contour, key, own.contour_unit) if own.contour else []
+        lagging = own.outlined(polygons, own.depth or GROOVE_DEPTH, key)
     return ExternalGearSpec(
         keys=machine,
         drive=drive,
@@ -142,6 +150,7 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         seal_torque=seal_torque(machine.seals, bearing.diameter),
         casing_contour=contour,
         grooves=relief,
+        lagging_grooves=lagging,
         floating_block=block,
     )
 
