@@ -13,8 +13,8 @@ from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.run.run import Run
-from toothspace.solver.cyclic import DENSE
-from toothspace.solver.lost_flow import SEEN, openings
+from toothspace.solver.cyclic import DENSE, SEEN
+from toothspace.solver.lost_flow import openings
 from toothspace.solver.outcome import attributes_of
 
 _JOINING_GAP = 5e-6

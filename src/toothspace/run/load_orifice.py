@@ -40,6 +40,7 @@ from toothspace.run.running_in import CUT_SHORT
 from toothspace.solver.accuracy import balanced
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import (
+    SEEN,
     History,
     RunPlan,
     first_turn_state,
@@ -136,7 +137,7 @@ def march_against_orifice(
     Parameters
     ----------
     system : System
-        Machine at its operating point, without the area of its orifice.
+        Machine at its operating point; an area of its orifice does not count.
     plan : RunPlan
         How long to march in every round.
     last : History, optional
@@ -306,7 +307,8 @@ def outlet_balance(history: History) -> OutletBalance:
     system, condition = history.system, history.system.condition
     description, places = system.description, node_places(system.description, condition)
     # dense states, so that the orifice does not hang on the samples
-    states = history.states if history.dense is None else history.dense.states[::_EVERY]
+    every = _EVERY if history.alike == 1 else SEEN
+    states = history.states if history.dense is None else history.dense.states[::every]
     seen = observe(system.arrays, states[: max(len(states) - 1, 1)])
     pressure = float(seen.pressure[:, description.outlet_node].mean())
     change = history.states[-1] - history.states[0]

@@ -205,7 +205,7 @@ class Marches:
         run, progress = self._run, self._progress
         seats, settled = SeatSearch(machine), False
         while not settled:
-            system = assemble(seats.machine, run.fluid, run.condition)
+            system = assemble(seats.machine, run.fluid, self._as_loaded())
             last, loaded = self._begin(system)
             if self._orifice:
                 history, told = march_against_orifice(system, self._plan, last, progress, loaded)
@@ -254,6 +254,14 @@ class Marches:
         self.last = history if history.status is Status.DONE else None
         return history
 
+    def _as_loaded(self) -> OperatingCondition:
+        """Condition with the area of the load orifice that the last march has found, if it has."""
+        condition = self._run.condition
+        before = None if self.last is None else self.last.system.condition
+        if before is None or not self._orifice or before.load_node != condition.load_node:
+            return condition
+        return replace(condition, load_area=before.load_area)
+
     def _begin(self, system: System) -> tuple[History | None, System | None]:
         """The last march, where a march of a system can begin at its end; the system loaded so."""
         if self.last is None:
@@ -263,7 +271,8 @@ class Marches:
             after = after.under(with_held_outlet(after.condition))
         if before.condition.load_area > 0.0:
             held = after is not system
-            after = after.at(load_area=before.condition.load_area)
+            if after.condition.load_area != before.condition.load_area:
+                after = after.at(load_area=before.condition.load_area)
             loaded = None if held else after
         return (self.last, loaded) if before.arrays.size == after.arrays.size else (None, None)
 

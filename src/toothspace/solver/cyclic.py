@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -22,6 +22,8 @@ _PIECES = 48
 """Parts of a revolution after each of which the march is looked at. [-]"""
 DENSE = 11520
 """States of a revolution between which extremes and spectra are looked for."""
+SEEN = 4
+"""Every so many of the dense states of a revolution are evaluated."""
 _COMPARED = 128
 """Every so many of them are compared from one revolution to the next."""
 _CYCLIC_PRESSURE = AGREEMENT
@@ -65,7 +67,8 @@ class RunPlan:
     by_pitch: bool = False
     """Whether to look for a state that repeats after each tooth pitch, which takes few of them.
 
-    Energies are then not held to their balance. Machines whose teeth differ go by revolutions.
+    Energies are then not held to their balance, and the dense states are those of the first pitch.
+    Machines whose teeth differ go by revolutions.
     """
 
 
@@ -93,9 +96,13 @@ class History:
     revolutions: int
     statistics: dict[str, float]
     dense: DenseStates | None = None
-    """The same revolution with all states that extremes are looked for in, if it has them."""
+    """All states that extremes are looked for in, if it has them: of the same revolution, or of the
+    first of the parts that are alike.
+    """
     apart: float = np.inf
     """Smallest of the last changes from one revolution to the next, over what counts as none."""
+    alike: int = 1
+    """Equal parts of the revolution that differ by the names of the chambers alone. [-]"""
 
 
 def march_revolutions(
@@ -212,8 +219,13 @@ def _march_pitches(
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     grid = _SampleGrid.with_samples(plan.samples_per_revolution)
     # every sample of a revolution is one of a pitch, with other chambers
-    pitches = np.minimum((count * grid.shares + _SAME_PLACE).astype(int), count - 1)
-    inside, places = np.unique(np.round(count * grid.shares - pitches, 9), return_inverse=True)
+    shares = grid.shares[grid.own] if plan.by_pitch else grid.shares
+    pitches = np.minimum((count * shares + _SAME_PLACE).astype(int), count - 1)
+    offsets = np.round(count * shares - pitches, 9)
+    closer = SEEN * -(-DENSE // (SEEN * count))
+    dense = np.round(np.arange(closer + 1) / closer, 9) if plan.by_pitch else offsets[:0]
+    inside = np.unique(np.concatenate([offsets, dense]))
+    places = np.searchsorted(inside, offsets)
     few = np.linspace(0.0, 1.0, _COMPARED_IN_PITCH + 1)
     before, closed = np.zeros((0, 0)), False
     for k in range(_MOST_PITCHES):
@@ -241,21 +253,29 @@ def _march_pitches(
     rest = slice(1, size.core)
     drift = states[-1, rest] - _turned(system, states[:1], pitch)[0, rest]
     states[:, rest] -= inside[:, None] * drift
-    whole = np.empty((grid.shares.size, states.shape[1]))
+    whole = np.empty((shares.size, states.shape[1]))
     for j in range(count):
         rows = np.flatnonzero(pitches == j)
         whole[rows] = _turned(system, states[places[rows]], j * pitch)
         whole[rows, sums] += j * states[-1, sums]
-    times = count * time * grid.shares
-    return History(
+    times = count * time * shares
+    found = History(
         Status.DONE,
         system,
-        times[grid.own],
-        whole[grid.own],
+        times,
+        whole,
         piece.events,
         1,
         {**march.statistics, "revolutions": (k + 1) / count},
-        DenseStates(times[grid.dense], whole[grid.dense]),
+    )
+    if plan.by_pitch:
+        close = np.searchsorted(inside, dense)
+        return replace(found, dense=DenseStates(time * dense, states[close]), alike=count)
+    return replace(
+        found,
+        times=times[grid.own],
+        states=whole[grid.own],
+        dense=DenseStates(times[grid.dense], whole[grid.dense]),
     )
 
 

@@ -31,10 +31,8 @@ from toothspace.numerics.periodic_table import PeriodicTable
 from toothspace.results.ledger import TRAPPED
 from toothspace.results.performance import COMPRESSION, DRAG, EXCHANGE, GAS, PORT_VOLUMES, PRESSURE
 from toothspace.solver.compiled_model import Observation, observe
-from toothspace.solver.cyclic import History
+from toothspace.solver.cyclic import SEEN, History
 
-SEEN = 4
-"""Every so many of the dense states of a revolution are evaluated."""
 _TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
 """Roles of the paths through which a chamber that is sealed from both ports still flows."""
 
@@ -61,11 +59,13 @@ class Look:
     """Areas by which chambers are open to ports and grooves. [m2]"""
     trapped: BoolArray
     """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
+    copies: int = 1
+    """Parts like this one, with other chambers, that make the revolution. [-]"""
 
     def trapped_losses(self) -> dict[str, float]:
         """Throttling of trapped fluid in grooves and mesh as entries of the ledger. [J]."""
         lost = np.where(self.trapped, self.seen.path_loss, 0.0)
-        power = np.trapezoid(lost, self.history.times, axis=0)
+        power = self.copies * np.trapezoid(lost, self.history.times, axis=0)
         account = self.history.system.arrays.path_index[:, col.CATEGORY]
         parts = {
             TRAPPED + category.account: float(power[account == k].sum())
@@ -101,6 +101,8 @@ def looks_at(history: History) -> tuple[Look, Look]:
     close = look_at(
         replace(history, times=dense.times[::SEEN], states=dense.states[::SEEN], dense=None)
     )
+    if history.alike > 1:
+        return look_at(history), replace(close, copies=history.alike)
     rows = np.searchsorted(close.history.times, history.times)
     rows = np.minimum(rows, close.history.times.size - 1)
     if np.array_equal(close.history.times[rows], history.times):
@@ -220,7 +222,8 @@ def lost_flow_parts(close: Look, lost: float) -> dict[str, float]:
     Parameters
     ----------
     close : Look
-        Close states of a whole number of revolutions.
+        Close states of a whole number of revolutions, or of a part after which all chambers stand
+        where others stood.
     lost : float
         Flow that the volumetric efficiency lacks, from the ledger. [m3/s]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -126,10 +126,13 @@ def solution_from(
 
 
 def _dense_values(history: History, close: Look) -> dict[str, Array]:
-    """Waves at the ports and extremes of a revolution, from states closer than its samples."""
+    """Waves at the ports and extremes of a revolution, from states closer than its samples.
+
+    Where these are those of one of its alike parts, every chamber and contact of a kind meets there
+    what each of them meets in the revolution.
+    """
     system, seen, times = history.system, close.seen, close.history.times
     waves = {**port_values(close.history, seen), **_line_flow(close.history, seen)}
-    waves["dense_angle"] = waves.pop("shaft_angle")
     chambers = chamber_values(system, seen)
     found = {name: waves[name] for name in ("inlet_pressure", "outlet_pressure", "shaft_torque")}
     flows = {}
@@ -150,30 +153,48 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
     journals = _journal_values(system, positions, names, _block_position(close.history))
     if "journal_film_height" in journals:
         found["journal_film_height"] = journals["journal_film_height"]
-    values = {}
+    values, alike = {}, {"chamber_pressure": [f.count for f in system.description.families]}
     if system.arrays.size.contacts:
         found["contact_force"] = seen.contact_force
         carries = seen.contact_force[: max(times.size - 1, 1)] > 0.0
         pairs = loaded_contacts(system.description, system.condition)
         part = np.concatenate([np.full(pair.count, pair.part) for pair in pairs])
-        values["contact_loaded_share"] = part * carries.mean(axis=0)
+        alike["contact_force"] = [pair.count for pair in pairs]
+        share = carries.mean(axis=0)
+        if close.copies > 1:
+            share = _of_kind(np.mean, share, alike["contact_force"])
+        values["contact_loaded_share"] = part * share
     for name, signal in found.items():
-        values[f"{name}_minimum"], values[f"{name}_maximum"] = (
-            signal.min(axis=0),
-            signal.max(axis=0),
-        )
+        for which, extreme in (("minimum", np.min), ("maximum", np.max)):
+            value = extreme(signal, axis=0)
+            if close.copies > 1 and name in alike:
+                value = _of_kind(extreme, value, alike[name])
+            values[f"{name}_{which}"] = value
     tips = _tips(system)
     if tips:
         values["tip_gap_minimum"] = np.array([seen.raw_height[:, at].min() for at in tips.values()])
-    values |= {
-        name if name == "dense_angle" else f"dense_{name}": waves[name]
-        for name in ("dense_angle", *WAVES)
-        if name in waves
-    }
+    angle, copies = close.history.states[:, 0], close.copies
+    values["dense_angle"] = _repeated(angle, copies, system.description.pitch_angle)
+    values |= {f"dense_{name}": _repeated(waves[name], copies) for name in WAVES if name in waves}
     volume = seen.volume[:, : system.arrays.size.chambers]
     high = max(float(waves[f"{port}_pressure"].mean()) for port in PORTS)
     power = collapse_power(chambers["chamber_vapour_fraction"], volume, times, high)
     return {**values, "vapour_collapse_power": np.asarray(power)}
+
+
+def _of_kind(what: Callable[[Array], Any], values: Array, counts: Sequence[int]) -> Array:
+    """Mean, least or most of the values of each kind, for all of its members."""
+    ends = np.cumsum(counts)
+    kinds = zip(np.split(values, ends[:-1]), counts, strict=True)
+    return np.concatenate([np.full(count, what(own)) for own, count in kinds])
+
+
+def _repeated(wave: Array, copies: int, step: float = 0.0) -> Array:
+    """Wave of a revolution from one of its parts, each a step higher; both ends included."""
+    if copies == 1:
+        return wave
+    parts = wave[:-1] + step * np.arange(copies)[:, None]
+    return np.append(parts.ravel(), wave[-1] + step * (copies - 1))
 
 
 def _tips(system: System) -> dict[str, slice]:

@@ -50,6 +50,8 @@ COLUMNS = (
 )  # fmt: skip
 """Columns of the exported table; angle, rate and speeds per angle of the outer rotor."""
 _OUTER_SAMPLES = 260
+_BESIDE = 2
+"""Places on either side of one that are looked at with it; five divide the samples of a lobe."""
 _BISECTIONS = 26
 _LOST_NODES = 3
 _FARTHEST, _SEARCHED = 0.24, 0.32
@@ -307,7 +309,11 @@ def distance_to_inner(rotors: Rotors, angle: Array, place: Array) -> tuple[Array
     gap : ndarray
         Distance, negative within the inner rotor. [m]
     """
-    seen = seen_from_inner(rotors, angle, place)
+    return _gap_to_inner(rotors, seen_from_inner(rotors, angle, place))
+
+
+def _gap_to_inner(rotors: Rotors, seen: Array) -> tuple[Array, Array]:
+    """Nearest places on the inner rotor and distances of points in its turning frame. [m]."""
     inner = rotors.inner_curve.nearest(seen)
     tangent = rotors.inner_curve.tangent(inner)
     offset = seen - rotors.inner_curve.point(inner)
@@ -317,7 +323,12 @@ def distance_to_inner(rotors: Rotors, angle: Array, place: Array) -> tuple[Array
 
 def seen_from_inner(rotors: Rotors, angle: Array, place: Array) -> Array:
     """Places on the outer outline as points in the turning frame of the inner rotor. [m]."""
-    seen = turned(rotors.outer_curve.point(place), angle) - rotors.inner_center
+    return _turned_to_inner(rotors, angle, rotors.outer_curve.point(place))
+
+
+def _turned_to_inner(rotors: Rotors, angle: Array, points: Array) -> Array:
+    """Points of the outer rotor in the turning frame of the inner one. [m]."""
+    seen = turned(points, angle) - rotors.inner_center
     return turned(seen, -rotors.turns * angle)
 
 
@@ -326,11 +337,17 @@ def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
     count = _OUTER_SAMPLES * rotors.outer_tooth_count
     step = rotors.outer_curve.length / count
     angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
-    grid_angle, place = np.broadcast_arrays(angle[:, None], step * np.arange(count))
-    gap = np.full(place.shape, np.inf)
+    place = np.asarray(step * np.arange(count), dtype=float)
+    seen = _turned_to_inner(rotors, angle[:, None], rotors.outer_curve.point(place))
     searched = _SEARCHED * rotors.eccentricity
-    near = rotors.inner_curve.within(seen_from_inner(rotors, grid_angle, place), searched)
-    _, gap[near] = distance_to_inner(rotors, grid_angle[near], place[near])
+    # where the middle of a few neighbours is too far away, none of them is near
+    around = rotors.inner_curve.within(
+        seen[:, _BESIDE :: 2 * _BESIDE + 1], searched + _BESIDE * step
+    )
+    near = np.repeat(around, 2 * _BESIDE + 1, axis=1)
+    near[near] = rotors.inner_curve.within(seen[near], searched)
+    gap = np.full(near.shape, np.inf)
+    _, gap[near] = _gap_to_inner(rotors, seen[near])
     least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
     node, column = np.nonzero(least)
     outer = nearest_place(rotors, angle[node], np.asarray(column * step), step)
