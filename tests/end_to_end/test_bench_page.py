@@ -490,3 +490,81 @@ def test_without_the_cookie_nothing_is_shown(server: BenchServer, browser: Any) 
     assert page.goto(server.address.partition("?")[0]).status == 403
     assert page.goto(server.address.replace("token=", "token=x")).status == 403
     context.close()
+
+
+OPENINGS = """async ([cut, recesses, depth]) => {
+    const { grooveOpenings } = await import("/static/openings.js");
+    const times = [];
+    let found;
+    for (let k = 0; k < 30; k++) {
+        const began = performance.now();
+        found = grooveOpenings(cut, recesses, depth);
+        times.push(performance.now() - began);
+    }
+    return [found, Math.min(...times)];
+}"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["egm12_pump", "fuel14_pump", "crescent_pump"])
+def test_openings_that_follow_a_groove_are_those_of_the_tables(page: Any, name: str) -> None:
+    """Spaces of the pump as it is, cut by grooves that were moved, against the moved pump."""
+    case = load_case(name).at_point({})
+    grooves = case.machine.relief_grooves
+    drawn = look(case, cells=True)
+    assert drawn["cut"]["grooves"]
+    changes = {"closing_side_offset": 0.9, "width": 1.1, "depth": 0.8}
+    moved = case.replace(
+        {
+            f"machine.relief_grooves.{key}": f"{1e3 * factor * getattr(grooves, key)} mm"
+            for key, factor in changes.items()
+        }
+    )
+    expected = look(moved)
+    recesses = expected["section"]["recesses"]
+    given = [drawn["cut"], recesses, 0.8e3 * grooves.depth]
+    found, time_ms = page.evaluate(OPENINGS, given)
+    assert time_ms < 16.0  # a frame
+    curves = {
+        (one["family"], curve["role"]): curve["values"]
+        for one in expected["openings"]
+        for curve in one["curves"]
+    }
+    before = {
+        (one["family"], curve["role"]): curve["values"]
+        for one in drawn["openings"]
+        for curve in one["curves"]
+    }
+    for one in found:
+        place = one["family"], one["role"]
+        largest = max(curves[place])
+        # tables are interpolated between their nodes where a groove begins to open
+        assert one["values"] == pytest.approx(curves[place], abs=0.01 * largest), place
+        assert np.abs(np.subtract(curves[place], before[place])).max() > 0.03 * largest
+
+
+@pytest.mark.slow
+def test_the_opening_diagram_follows_the_pointer(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs [data-name=geometry]")
+    until(page, "bench.shape?.cut?.grooves.length > 0")
+    box = page.locator(f"{GROOVE} circle").last.bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 8.0, y)
+    until(page, "bench.cut !== null")
+    wider = page.evaluate(
+        "[Math.max(...bench.cut[0].values), bench.cut[0].role, bench.cut[0].values.length]"
+    )
+    before = page.evaluate(
+        "bench.shape.cut.grooves.length && bench.shape.openings[0].angle.length"
+    )
+    assert wider[1] == "outlet_groove"
+    assert wider[0] > 0.0
+    assert wider[2] == before  # the same angles as the curves of the tables
+    # numbers and rules come from the server, without the drawing
+    until(page, "bench.looks.length > 2")
+    assert page.evaluate("bench.shape.section.bodies.length") == 2
+    page.mouse.up()
+    until(page, "bench.cut === null && bench.answer.version === bench.design.version")

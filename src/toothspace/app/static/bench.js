@@ -5,6 +5,7 @@ import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
 import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
+import { grooveOpenings } from "./openings.js";
 import { showStart } from "./start.js";
 import { factor, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
@@ -16,7 +17,7 @@ const LIVE = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3",
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = {}, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
-window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], follows: [], get shape() { return shape; } };
+window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], follows: [], get shape() { return shape; }, get cut() { return cut; } };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
 const curves = new Curves(by("curves"), angle => { if (answer?.turn) turnTo(angle); }), areas = new Curves(by("openings"));
@@ -47,13 +48,15 @@ function take(found) {
   showVariants(); showCircuit(); if (!by("panel-keys").hidden) showKeys(); if (!by("panel-text").hidden) showText();
 }
 async function look(values, drag, fit = false) {
-  const began = performance.now(), id = design.id;
-  const found = await ask(`/api/designs/${id}/look`, { values, drag });
+  const began = performance.now(), id = design.id, numbersOnly = drag && drawnHere(), cells = !drag && !by("panel-geometry").hidden;
+  const found = await ask(`/api/designs/${id}/look`, { values, drag, numbers_only: numbersOnly, cells });
   if (design?.id !== id) return;
   window.bench.looks.push(performance.now() - began);
+  const newest = () => { if (drag && JSON.stringify(values) !== JSON.stringify(moved())) follow(); else { followed = null; geometry(); live(); } };
+  if (numbersOnly) { shape = { ...shape, ...found }; newest(); return; }
   by("left").hidden = !found.section;
   if (!found.section) return;
-  shape = found;
+  shape = { ...found, cells }; cut = null;
   const now = Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h]));
   const held = machine.held;
   for (const handle of found.handles) if (now[handle.path]) { const old = now[handle.path]; Object.assign(handle, { place: old.place ?? handle.place, value: old.value, low: old.low, high: old.high, now: old.now, drawn: values[handle.path] === written(old, old.now) ? old.now - old.value : undefined }); }
@@ -61,7 +64,7 @@ async function look(values, drag, fit = false) {
   if (drag) machine.turn(null);
   machine.show({ ...found.section, side: found.side }, found.handles, fit);
   if (!drag) dimensions();
-  if (drag && JSON.stringify(values) !== JSON.stringify(moved())) follow(); else { followed = null; geometry(); live(); }
+  newest();
   if (!drag && !machine.turning && answer?.findings) fetchTurning(); // the answer was here first
 }
 // the newest values win; one question is under way at a time
@@ -79,15 +82,26 @@ const movedHandles = () => machine.handles.filter(h => h.now !== undefined && h.
 const moved = () => Object.assign({}, ...movedHandles().map(h => h.with ?? {}), ...movedHandles().map(h => ({ [h.path]: written(h, h.now) })));
 const written = (handle, value) => handle.unit ? `${value} ${handle.unit}` : value;
 
+// moved keys that change nothing in the section but what the page moves itself
+const STILL = /^(fluid|operating_point|machine\.(relief_grooves|lateral|journal_bearings|casing\.radial_clearance))\b|\.face_width$/;
+const drawnHere = () => shape?.section && movedHandles().every(h => STILL.test(h.path)) && Object.entries(shape.section.recesses).every(([name, outline]) => !name.startsWith("groove_") || outline.length < 7);
+
 // closed forms follow the pointer; what the server computes of the same values takes their place
-let followed = null, following = 0;
+let followed = null, following = 0, cut = null;
+function cutGrooves() {
+  const own = movedHandles(), depth = machine.handles.find(h => h.path === "machine.relief_grooves.depth");
+  if (!shape?.cut || !depth || !own.length || !own.every(h => h.path.startsWith("machine.relief_grooves."))) return null;
+  return grooveOpenings(shape.cut, machine.section.recesses, depth.now ?? depth.value);
+}
 function follow() {
   following ||= requestAnimationFrame(() => {
     following = 0;
     const began = performance.now();
     followed = shape && kinematics(shape.closed, Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h.now])));
-    if (!followed) return;
-    machine.follow(followed); geometry(); live();
+    cut = cutGrooves();
+    if (!followed && !cut) return;
+    if (followed) machine.follow(followed);
+    geometry(); live();
     window.bench.follows.push(performance.now() - began);
   });
 }
@@ -240,7 +254,8 @@ function geometry() {
   if (by("panel-geometry").hidden) return;
   const found = { ...shape.numbers, ...followed?.numbers };
   by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof found[key] === "number").map(key => tile(key, found[key], geometryBefore?.[key])));
-  if (!followed) areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
+  const now = (family, curve) => ({ ...curve, values: cut?.find(one => one.family === family && one.role === curve.role)?.values ?? curve.values });
+  if (!followed || cut) areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves.map(curve => now(one.family, curve)), height: 170 })));
   const rules = rulesNow().sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
   const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: pretty(r.shown) })), element("p", { className: "small", textContent: `Allowed: ${pretty(r.allowed)}. ${r.reason}` }));
   const more = by("rules").querySelector(":scope > details.more");
@@ -393,7 +408,7 @@ by("search").oninput = () => shape && dimensions();
 function choose(name) {
   for (const [one] of TABS) by(`panel-${one}`).hidden = one !== name;
   for (const tab of by("tabs").children) tab.setAttribute("aria-selected", tab.dataset.name === name);
-  if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); }
+  if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); if (!shape.cells) attempt(() => look({}, false)); }
   if (name === "circuit") showCircuit();
   if (name === "views") attempt(async () => { await loadRuns(); await showViews(); });
   if (name === "keys") showKeys();
