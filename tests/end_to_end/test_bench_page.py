@@ -557,9 +557,7 @@ def test_the_opening_diagram_follows_the_pointer(page: Any) -> None:
     wider = page.evaluate(
         "[Math.max(...bench.cut[0].values), bench.cut[0].role, bench.cut[0].values.length]"
     )
-    before = page.evaluate(
-        "bench.shape.cut.grooves.length && bench.shape.openings[0].angle.length"
-    )
+    before = page.evaluate("bench.shape.cut.grooves.length && bench.shape.openings[0].angle.length")
     assert wider[1] == "outlet_groove"
     assert wider[0] > 0.0
     assert wider[2] == before  # the same angles as the curves of the tables
@@ -568,3 +566,49 @@ def test_the_opening_diagram_follows_the_pointer(page: Any) -> None:
     assert page.evaluate("bench.shape.section.bodies.length") == 2
     page.mouse.up()
     until(page, "bench.cut === null && bench.answer.version === bench.design.version")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("card", "kind", "filled", "expected"),
+    [
+        (
+            "Start a motor",
+            "startup",
+            {"plateaus": "200 300", "starts": "2"},
+            {"plateau_speed": ["200 rpm", "300 rpm"], "start_angle_count": 2},
+        ),
+        (
+            "Balance a bushing",
+            "hysteresis",
+            {"least": "20", "most": "60", "steps": "2", "gap": "1", "friction": "0.02"},
+            {
+                "outlet_pressures": ["20 bar", "40 bar", "60 bar", "40 bar", "20 bar"],
+                "start_gap": "1 um",
+                "friction_coefficient": 0.02,
+                "breakaway_speed": "1.6 mm/s",
+            },
+        ),
+    ],
+)
+def test_start_and_hysteresis_are_asked_for_where_they_make_sense(
+    page: Any, server: BenchServer, card: str, kind: str, filled: dict[str, str], expected: Any
+) -> None:
+    page.click(f"#start .card:has-text('{card}')")
+    until(page, "bench.shape?.handles?.length > 0")
+    page.click("#tabs >> text=Runs")
+    offered = page.locator("#study-form [name=kind] option").evaluate_all(
+        "all => all.map(o => o.value)"
+    )
+    assert ("startup" in offered, "hysteresis" in offered) == (kind == "startup", True)
+    page.select_option("#study-form [name=kind]", kind)
+    for name, value in filled.items():
+        page.fill(f"#study-form [name={name}]", value)
+    assert not page.is_visible("#study-form [name=samples]")
+    page.click("#study-form button.first")
+    run = "#runs .run >> nth=0"
+    page.wait_for_selector(f"{run} >> button:has-text('Stop')")
+    studies = [one["tables"].get("study") for one in server.bench.workspace.runs()]
+    assert {"kind": kind, **expected} in studies
+    page.click(f"{run} >> button:has-text('Stop')")
+    page.wait_for_selector(f"{run} >> text=stopped")

@@ -7,7 +7,7 @@ import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
 import { grooveOpenings } from "./openings.js";
 import { showStart } from "./start.js";
-import { factor, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
+import { factor, fixed, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
 const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
@@ -246,7 +246,8 @@ function showAnswer() {
     curves.show(Object.entries(all).map(([name, curve]) => ({ name, title: `${curve.label} over time (s)`, unit: curve.unit, x: time, xUnit: " s", lines: [curve], ghosts: [old[name]?.values] })));
   } else curves.show([]);
   const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
-  by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${text(l.watt, 3)} W` })); }));
+  const [scale, unit, places] = worst >= 1e4 ? [1e-3, "kW", 3] : [1, "W", worst >= 100 ? 1 : 2]; // one unit and as many places for all, so that they can be compared
+  by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${fixed(scale * l.watt, places)} ${unit}` })); }));
   by("findings").replaceChildren(...(answer.findings ?? []).map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
 }
 let geometryBefore = null;
@@ -358,23 +359,27 @@ function runBox(run) {
 // a list that was asked for before a run changed and comes after it would show the run as it was
 async function loadRuns() { let told, found; do { told = runsTold; found = await ask("/api/runs"); } while (told !== runsTold); runs = found; if (design) showRuns(); }
 async function startRun(kind, values) { await attempt(async () => { await ask("/api/runs", { design: design.id, kind, values }); await loadRuns(); }); }
+// pump of a circuit that supplies the machine
+const supplied = () => Object.values(design.tables.circuit ?? {}).find(one => one?.kind === "pump_map");
 function studyForm() {
   const form = by("study-form"), choice = (name, list, label) => element("label", {}, `${label} `, element("select", { name }, ...list.map(([v, t]) => element("option", { value: v, textContent: t }))));
   const options = (shape?.handles ?? []).map(h => [h.path, h.label]), goals = TILES.slice(0, 12).map(k => [k, named(k).label]);
   const field = (name, label, value) => element("label", {}, `${label} `, element("input", { name, type: "text", value, size: 7 }));
-  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"], ["tolerance", "Tolerance of one dimension"], ["efficiency_map", "Efficiency map"]], "Study"), key = choice("key", options, "Dimension");
+  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"], ["tolerance", "Tolerance of one dimension"], ["efficiency_map", "Efficiency map"], ...(supplied() ? [["startup", "Start-up from rest"]] : []), ...(design.tables.machine?.floating_bearing ? [["hysteresis", "Hysteresis of the floating bearing"]] : [])], "Study"), key = choice("key", options, "Dimension");
   const chosen = () => shape.handles.find(h => h.path === key.querySelector("select").value), shownUnit = element("span", { className: "small" });
   const from = field("from", "From", ""), to = field("to", "To", ""), count = field("count", "Points", "5"), goal = choice("goal", [["maximise", "highest"], ["minimise", "lowest"]], "Goal"), objective = choice("objective", goals, "of");
   const width = field("tolerance", "Tolerance ±", ""), samples = field("samples", "Machines", "24");
   const speeds = [field("slowest", "Speed from", "500"), field("fastest", "to", "3000"), element("span", { className: "small", textContent: "rpm" })];
   const pressures = [field("lowest", "Pressure difference from", text(toShown(50, "bar"), 3)), field("highest", "to", text(toShown(200, "bar"), 3)), element("span", { className: "small", textContent: unitShown("bar") })];
+  const speedsOfSupply = field("plateaus", "Speeds of the supply", supplied() ? String(Math.max(...supplied().speed.map(([, v]) => parseFloat(v)))) : ""), starts = field("starts", "Shaft angles at rest", "1");
+  const loop = [field("least", "Outlet pressure from", text(toShown(20, "bar"), 3)), field("most", "to", text(toShown(80, "bar"), 3)), element("span", { className: "small", textContent: unitShown("bar") }), field("steps", "Steps up and down", "3"), field("gap", "Gap at the start", "2"), element("span", { className: "small", textContent: "µm" }), field("friction", "Friction coefficient in the housing, full at 1.6 mm/s", text(.01))];
   const fill = () => { const h = chosen(); if (!h) return; from.lastChild.value = text(toShown(h.low, h.unit)); to.lastChild.value = text(toShown(h.high, h.unit)); width.lastChild.value = text(.05 * Math.abs(h.value) * factor(h.unit), 3); shownUnit.textContent = unitShown(h.unit); };
   if (lastMoved && options.some(([p]) => p === lastMoved)) key.querySelector("select").value = lastMoved;
   key.onchange = fill;
-  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, width, shownUnit, count, samples, goal, objective), element("div", { className: "row" }, ...speeds), element("div", { className: "row" }, ...pressures), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Start-up, hysteresis and the other studies: open their case on the first page, or table “Study” under All keys, then Full run." }));
+  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, width, shownUnit, count, samples, goal, objective), element("div", { className: "row" }, ...speeds), element("div", { className: "row" }, ...pressures), element("div", { className: "row" }, speedsOfSupply, starts), element("div", { className: "row" }, ...loop), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Start-up needs a circuit with a pump that supplies it, hysteresis a floating bearing. Other studies: table “Study” under All keys, then Full run." }));
   const both = () => {
     const one = kind.querySelector("select").value, seen = (list, wanted) => { for (const box of list) box.hidden = !wanted; };
-    seen([key, shownUnit], one !== "efficiency_map"); seen([from, to], one === "sweep" || one === "optimise"); seen([count], one === "sweep" || one === "efficiency_map");
+    seen([key, shownUnit], ["sweep", "optimise", "tolerance"].includes(one)); seen([speedsOfSupply, starts], one === "startup"); seen(loop, one === "hysteresis"); seen([from, to], one === "sweep" || one === "optimise"); seen([count], one === "sweep" || one === "efficiency_map");
     seen([width, samples], one === "tolerance"); seen([goal, objective], one === "optimise"); seen([...speeds, ...pressures], one === "efficiency_map");
   };
   kind.onchange = both; both(); fill();
@@ -387,6 +392,11 @@ function studyForm() {
       optimise: () => ({ kind: "optimise", objective: data.get("objective"), goal: data.get("goal"), vary: { [h.path]: { from: value(a), to: value(b) } } }),
       tolerance: () => ({ kind: "tolerance", sample_count: Math.max(2, Math.round(of("samples"))), vary: { [h.path]: { tolerance: value(of("tolerance") / factor(h.unit)) } } }),
       efficiency_map: () => ({ kind: "efficiency_map", shaft_speed: { from: `${of("slowest")} rpm`, to: `${of("fastest")} rpm`, count: n }, pressure_difference: { from: bar("lowest"), to: bar("highest"), count: n } }),
+      startup: () => ({ kind: "startup", plateau_speed: data.get("plateaus").split(/[;\s]+/).filter(Boolean).map(v => `${number(v)} rpm`), start_angle_count: Math.max(1, Math.round(of("starts"))) }),
+      hysteresis: () => {
+        const [low, high] = [of("least"), of("most")].map(p => fromShown(p, "bar")), count = Math.max(1, Math.round(of("steps"))), up = Array.from({ length: count + 1 }, (_, k) => `${Number((low + (high - low) * k / count).toPrecision(6))} bar`);
+        return { kind: "hysteresis", outlet_pressures: [...up, ...up.slice(0, -1).reverse()], start_gap: `${of("gap")} um`, friction_coefficient: of("friction"), breakaway_speed: "1.6 mm/s" };
+      },
     };
     startRun("study", { study: studies[data.get("kind")]() });
   };
