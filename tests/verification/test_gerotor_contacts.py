@@ -26,6 +26,7 @@ from toothspace.machines.gerotor.contact_table import (
     export_contacts,
     lobe_contacts,
 )
+from toothspace.machines.gerotor.lobe_pairs import single_contact
 from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.profiles import Rotors, rotors_from
 
@@ -223,3 +224,29 @@ def test_any_tooth_count_has_one_endless_set_of_contacts(kind: str, count: int) 
     assert count + 1 <= contact.copies <= count + 2
     gap = contact.gap[steady(contact)]
     assert gap == pytest.approx(30e-6, abs=0.1e-6)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_single_contact_theory_leaves_one_pair_over_one_pitch(
+    design: tuple[Array, Array, tuple[LobeContact, ...]], sign: float
+) -> None:
+    """Where its least arm is the largest; beyond, the gap opens and then nothing touches."""
+    contact = design[2][0]
+    alone = single_contact(contact, sign, ECCENTRICITY)
+    pitch = contact.gap.size // contact.copies
+    kept = np.flatnonzero((alone.gap == contact.gap) & contact.near)
+    inside = np.mod(kept - kept[0] + contact.gap.size // 2, contact.gap.size)
+    assert pitch - 1 <= kept.size <= pitch + 2
+    assert np.ptp(inside) <= pitch + 1
+    arm = np.where(contact.near, sign * contact.lever, -np.inf)
+    windows = np.stack([np.roll(arm, -k)[: pitch + 1].min() for k in range(arm.size)])
+    assert arm[kept].min() >= windows.max() - 1e-12
+    assert alone.gap.min() >= contact.gap.min()
+    assert np.all(alone.gap >= contact.gap - 1e-15)
+    assert np.count_nonzero(alone.near) <= 2 * pitch
+    # the rate is the slope of the gap over the angle
+    step = contact.pitch / pitch
+    slope = (np.roll(alone.gap, -1) - np.roll(alone.gap, 1)) / (2.0 * step)
+    smooth = alone.near & np.roll(alone.near, 1) & np.roll(alone.near, -1)
+    scale = np.abs(slope[smooth]).max()
+    assert np.mean(np.abs(alone.gap_rate - slope)[smooth] > 0.05 * scale) < 0.05

@@ -213,6 +213,35 @@ def test_what_is_allowed_in_words_is_what_a_check_is_judged_by(name: str) -> Non
     assert np.ptp(modules or [0.0]) <= 0.01 * max(modules, default=0.0)
 
 
+def test_gaps_that_are_run_in_stay_tables_with_their_slopes() -> None:
+    """A depth that varies as the cosine is added to the gap, its slope to the slope."""
+    machine = described("fuel14_pump")
+    worn = [path for path in machine.paths if path.worn_by]
+    assert worn
+    depth = 20e-6
+
+    def nodes(path: FlowPath) -> Array:
+        count = len(path.geometry.values)
+        return np.asarray(path.geometry.period * np.arange(count) / count)
+
+    def waves(path: FlowPath) -> Array:
+        return 2.0 * np.pi / path.geometry.period * nodes(path)
+
+    depths = {str(path.worn_by): depth * (1.0 + np.cos(waves(path))) for path in worn}
+    deeper = {path.name: path for path in machine.with_running_in(depths).paths}
+    for path in worn:
+        between = nodes(path)[::7] + 0.3 * nodes(path)[1]
+        turn = 2.0 * np.pi / path.geometry.period
+        new, old = deeper[path.name].geometry, path.geometry
+        added = new(between)[:, 0] - old(between)[:, 0]
+        np.testing.assert_allclose(added, depth * (1.0 + np.cos(turn * between)), atol=2e-9)
+        slope = new.derivative(between)[:, 0] - old.derivative(between)[:, 0]
+        np.testing.assert_allclose(
+            slope, -depth * turn * np.sin(turn * between), atol=2e-3 * depth * turn
+        )
+        np.testing.assert_array_equal(new.values[:, 1:], old.values[:, 1:])
+
+
 DENSITY = {"external_gear": 7850.0, "gerotor": 6900.0, "crescent": 7850.0}
 """Of steel, and of sintered steel. [kg/m3]"""
 

@@ -138,7 +138,12 @@ def gear(
     from toothspace.core.units import to_si
     from toothspace.geometry.body_section import AXES, SectionRequest
     from toothspace.geometry.cad_import import STEP_SUFFIXES
-    from toothspace.geometry.gear_data import file_report, flank_warnings, likelier_units
+    from toothspace.geometry.gear_data import (
+        contact_notes,
+        file_report,
+        flank_warnings,
+        likelier_units,
+    )
     from toothspace.geometry.gear_finder import find_in_files
 
     file = files[0]
@@ -167,6 +172,8 @@ def gear(
             output.message(f"Note: with --unit {better} the gear has a standard module")
     for warning in flank_warnings(contents):
         output.message(f"Warning: {warning}")
+    for note in contact_notes(contents):
+        output.message(f"Note: {note}")
     length = None if distance is None else read_quantity("--center-distance", distance, "mm")
     found = file_report(contents, length)
     fits = {

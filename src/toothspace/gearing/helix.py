@@ -152,6 +152,9 @@ class Helix:
         the width. A gap is as high as one that leaks as much.
         """
         table = path.geometry
+        if path.end:
+            lead = 0.5 * path.end * self.twist * path.angle_ratio
+            return replace(path, phases=path.phases + lead)
         if path.kind == "orifice":
             in_faces = path.multiplicity == FACES
             found = self._over(table, self._leads(path, FACES if in_faces else _SECTIONS))

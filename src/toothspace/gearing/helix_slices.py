@@ -79,6 +79,10 @@ class Slices:
             return tuple(
                 self._moved(path, k, place, f"{path.name}_{end}", 1.0) for k, place, end in ends
             )
+        if path.end:
+            upper = path.end * self.helix.turn_per_length > 0.0
+            part, place = (self.count - 1, float(self.count)) if upper else (0, 0.0)
+            return (self._moved(path, part, place, path.name, path.multiplicity),)
         own = self._one.path(path)
         share = path.multiplicity / self.count
         return tuple(

@@ -127,9 +127,11 @@ class CutSpaces:
         area, height : float
             What the tooth leaves open there, and how high it is. [m2], [m]
         """
-        nodes = self.period * np.arange(family.volume.values.shape[0])
-        nodes /= family.volume.values.shape[0]
-        inside = np.abs(nodes - FULL_TURN) < 0.5 * self.twist
+        rows = family.volume.values.shape[0]
+        step = self.period / rows
+        away = np.abs(step * np.arange(rows) - FULL_TURN)
+        # fillings that hand over share the section while they do
+        share = np.clip((0.5 * self.twist - away) / step + 0.5, 0.0, 1.0)
         ids = np.arange(self.count)
         return FlowPath(
             name=f"root_{('drive', 'driven')[gear]}",
@@ -140,7 +142,7 @@ class CutSpaces:
             angle_ratio=1.0,
             phases=family.phases,
             geometry=monotone_table(
-                self.period, np.column_stack([area * inside, np.full(inside.size, 2.0 * height)])
+                self.period, np.column_stack([area * share, np.full(rows, 2.0 * height)])
             ),
         )
 

@@ -178,10 +178,12 @@ def smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple
     return float(gap[best]), float(levers[1][best])
 
 
-def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
+def in_contact(
+    teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, overlap: float = LARGEST_OVERLAP
+) -> Mesh:
     """Mesh with the driven gear turned until the loaded flanks touch.
 
-    Raises GeometryError if the other flanks then overlap.
+    Raises GeometryError if the other flanks then overlap by more than is allowed. [m]
     """
     for _ in range(4):
         gap, lever = smallest_gap(teeth, mesh, is_left)
@@ -193,7 +195,7 @@ def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
             )
         mesh = mesh._replace(turn=mesh.turn - gap / lever)
     play, _ = smallest_gap(teeth, mesh, not is_left)
-    if play < -LARGEST_OVERLAP:
+    if play < -overlap:
         raise overlap_error(mesh.center_distance, -play)
     return mesh
 

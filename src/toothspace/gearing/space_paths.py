@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -248,14 +248,18 @@ class ToothSpaces:
             tables[port] = np.column_stack([self.width * length, diameter])
         return self.openings("port", tables)
 
-    def openings(self, kind: str, tables: Mapping[str, Array]) -> list[FlowPath]:
-        """Openings of one kind of :data:`OPENINGS` by port: area [m2] and diameter [m]."""
+    def openings(self, kind: str, tables: Mapping[str, Array], end: float = 0.0) -> list[FlowPath]:
+        """Openings of one kind of :data:`OPENINGS` by port: area [m2] and diameter [m].
+
+        ``end`` is that of the flow path, for openings in one face.
+        """
         (categories, multiplicity), found = OPENINGS[kind], []
+        face = "" if end == 0.0 else "leading_" if end > 0.0 else "lagging_"
         for port, table in tables.items():
-            label, node = f"{kind}_{port}_{self.label}", getattr(self.numbering, port)
-            found.append(
-                self._paths.to_node(label, categories[port], table, node, "orifice", multiplicity)
-            )
+            label, node = f"{kind}_{port}_{face}{self.label}", getattr(self.numbering, port)
+            equal = 1.0 if end else multiplicity
+            path = self._paths.to_node(label, categories[port], table, node, "orifice", equal)
+            found.append(replace(path, end=end))
         return found
 
     def lateral(self, height: float, space_area: float) -> FlowPath:

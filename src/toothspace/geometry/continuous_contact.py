@@ -30,7 +30,7 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.curve import CurveSegment, polar, sample_segments
+from toothspace.geometry.curve import CurveSegment, arc_lengths, polar, sample_segments
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.numerics.roots import root_between
 
@@ -38,6 +38,18 @@ Family = Literal["arc_involute_arc", "circular_arc", "sinusoidal", "cycloidal"]
 FAMILIES: tuple[Family, ...] = ("arc_involute_arc", "circular_arc", "sinusoidal", "cycloidal")
 """Outlines by the curve of their addendum."""
 _CHECKED = 2001
+_MOST_OF_A_PITCH = 0.52
+"""Part of a pitch that one side of the teeth touches at most: half of it, but for the drawing."""
+_LARGEST_GAP = 0.02
+"""Gap or overlap of flanks that still count as touching, in transverse modules. [-]"""
+_LARGEST_CLEARANCE = 0.1
+"""Play of the tips in the roots that still seal in the middle of a space, in modules. [-]"""
+LARGEST_DIFFERENCE = 0.01
+"""Distance between the outlines of gears that count as equal, in transverse modules. [-]"""
+_BESIDE_TIP = 0.05
+"""Part of the addendum that is left out at the tip, where outlines from files have corners. [-]"""
+_BENT = 0.05
+"""Length of flank on which a drawn one is said to bend, in transverse modules. [-]"""
 
 
 @final
@@ -334,3 +346,125 @@ def generate_continuous(gear: ContinuousGear, points_per_tooth: int = 400) -> Ge
         root_radius=float(np.hypot(*half[-1])),
         breaks=tuple(middle - k for k in reversed(breaks)) + tuple(middle + k for k in breaks),
     )
+
+
+@final
+@dataclass(frozen=True)
+class RolledOutline:
+    """How the outline of a gear rolls on an equal one."""
+
+    pitch_radius: float
+    """Circle on which both roll. [m]"""
+    tooth_count: int
+    contact_ratio: float
+    """Part of a pitch for which one side of the teeth touches; NaN where normals of the flank miss
+    the pitch circle. [-]
+    """
+    gaps: tuple[float, float]
+    """Least and largest distance of the flanks where they should touch, negative where they
+    overlap. [m]
+    """
+    root_clearance: float
+    """Play of the tips in the roots. [m]"""
+    smallest_radius: float
+    """Smallest radius of curvature of a flank, corners at its ends left out. [m]"""
+
+    @property
+    def module(self) -> float:
+        """Transverse module of the pitch circle. [m]."""
+        return 2.0 * self.pitch_radius / self.tooth_count
+
+    @property
+    def backlash(self) -> float:
+        """Play of both flanks together, at least 0. [m]."""
+        return 2.0 * max(self.gaps[0], 0.0)
+
+    @property
+    def refusal(self) -> str:
+        """Why the outline is none of continuous contact; empty if it is one."""
+        least, largest = self.gaps
+        if not math.isfinite(self.contact_ratio):
+            return "flanks whose normals miss the pitch circle"
+        if self.contact_ratio > _MOST_OF_A_PITCH:
+            return (
+                f"flanks of one side that touch for {self.contact_ratio:.2f} of a pitch, as those "
+                "of ordinary gears that trap oil"
+            )
+        if self.root_clearance > _LARGEST_CLEARANCE * self.module:
+            return f"roots {1e3 * self.root_clearance:.3g} mm deeper than the tips reach"
+        if least < -_LARGEST_GAP * self.module:
+            return f"flanks that overlap by {-1e3 * least:.3g} mm"
+        if largest > _LARGEST_GAP * self.module:
+            return f"flanks that stand {1e3 * largest:.3g} mm apart where they should touch"
+        return ""
+
+
+def rolled_outline(profile: GearProfile, distance: float | None = None) -> RolledOutline:
+    """How an outline from a file rolls on an equal one.
+
+    Raises GeometryError if the pitch circles of a distance do not pass through the teeth.
+
+    Parameters
+    ----------
+    profile : GearProfile
+        Transverse section, as drawn.
+    distance : float, optional
+        Distance of the centres; that without backlash if not given. [m]
+
+    Notes
+    -----
+    Places of the addendum by the foot of their normal on the pitch circle give the dedendum that
+    is their mate, which is held against the drawn one. Without a distance the pitch circle is the
+    one on which teeth are as thick as spaces.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.spatial import KDTree
+
+    quarter, flank = math.pi / (2.0 * profile.tooth_count), profile.left_flank
+    along = arc_lengths(flank)
+    spline = CubicSpline(along, flank)
+    place = np.linspace(0.0, along[-1], _CHECKED)
+    points, tangent = np.asarray(spline(place)), np.asarray(spline(place, 1))
+    # tips come first, and the solid lies clockwise of a left flank
+    direction = np.unwrap(np.arctan2(-tangent[:, 0], tangent[:, 1]))
+    outward = np.column_stack([np.cos(direction), np.sin(direction)])
+    radius, angle = np.hypot(*points.T), np.arctan2(points[:, 1], points[:, 0])
+    pitch = 0.5 * distance if distance else float(np.interp(quarter, angle, radius))
+    outside = radius > pitch
+    if outside.all() or not outside.any():
+        raise GeometryError(
+            "center_distance", f"{2e3 * pitch:.5g} mm", "pitch circles between root and tip"
+        )
+    with np.errstate(invalid="ignore"):
+        addendum = _from_normals(points[outside], direction[outside], pitch)
+    places = RolledFlank(*(value[addendum.roll > 0.0] for value in vars(addendum).values()))
+    roll = math.pi / profile.tooth_count - places.roll
+    mates = polar(pitch, roll) + polar(-places.distance, roll + places.inclination)
+    if not mates.size:
+        mates = points[~outside][:1]
+    nearest = KDTree(points[~outside]).query(mates)[1]
+    gap = np.sum((mates - points[~outside][nearest]) * outward[~outside][nearest], axis=1)
+    # a corner beside the tip belongs to none of both
+    module, step = 2.0 * pitch / profile.tooth_count, along[-1] / (_CHECKED - 1)
+    span = max(round(_BENT * module / step), 1)
+    turn = np.abs(direction[span:] - direction[:-span])[span:-span]
+    # the spline's normals beside the corner of the tip are those of none of its sides
+    first = float(np.quantile(addendum.roll, _BESIDE_TIP))
+    return RolledOutline(
+        pitch_radius=pitch,
+        tooth_count=profile.tooth_count,
+        contact_ratio=(quarter - first) / (2.0 * quarter),
+        gaps=(float(gap.min()), float(gap.max())),
+        root_clearance=2.0 * pitch - profile.tip_radius - profile.root_radius,
+        smallest_radius=float(span * step / turn.max()),
+    )
+
+
+def outlines_apart(first: GearProfile, second: GearProfile) -> float:
+    """Largest distance between two outlines of one pitch; infinite for unlike tooth counts. [m]."""
+    import shapely
+
+    if first.tooth_count != second.tooth_count:
+        return math.inf
+    lines = [shapely.LineString(profile.points) for profile in (first, second)]
+    return float(shapely.hausdorff_distance(*lines))

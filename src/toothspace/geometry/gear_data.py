@@ -10,7 +10,14 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
+from toothspace.geometry.continuous_contact import (
+    LARGEST_DIFFERENCE,
+    RolledOutline,
+    outlines_apart,
+    rolled_outline,
+)
 from toothspace.geometry.gear_finder import FileContents, FoundGear, axis_distance
 from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
@@ -221,6 +228,52 @@ def flank_warnings(contents: FileContents) -> list[str]:
                 f"{1e6 * fit.base_diameter_uncertainty:.2g} um; export more points of the flank, "
                 f"or STEP"
             )
+    return lines
+
+
+def continuous_contact(
+    first: FoundGear, second: FoundGear | None = None
+) -> tuple[RolledOutline | None, str]:
+    """How a gear rolls on another one or on its equal, and why not in continuous contact.
+
+    The outline on its pitch circle, None where that lies outside the teeth; the reason is empty
+    for gears of continuous contact.
+
+    Parameters
+    ----------
+    second : FoundGear, optional
+        Gear in mesh with the first one; an equal one without backlash if not given.
+    """
+    drawn, distance, apart = first.detected.drawn, None, 0.0
+    if second is not None and second is not first:
+        distance = axis_distance(first, second)
+        apart = outlines_apart(drawn, second.detected.drawn)
+    if not np.isfinite(apart):
+        return None, "gears with unlike tooth counts"
+    try:
+        rolled = rolled_outline(drawn, distance)
+    except GeometryError as error:
+        return None, f"a centre distance of {error.problems[0].found} for these teeth"
+    if apart > LARGEST_DIFFERENCE * rolled.module:
+        return rolled, f"gears whose outlines are {1e3 * apart:.3g} mm apart"
+    return rolled, rolled.refusal
+
+
+def contact_notes(contents: FileContents) -> list[str]:
+    """Which gears are those of continuous contact, and why other flanks than involutes are none."""
+    lines = []
+    reaching = [two for two in combinations(contents.gears, 2) if pair_report(*two)]
+    alone = [(gear, gear) for gear in contents.gears]
+    for first, second in reaching or alone:
+        rolled, reason = continuous_contact(first, second)
+        names = " and ".join(dict.fromkeys(_called(gear) for gear in (first, second)))
+        if not reason and rolled is not None:
+            lines.append(
+                f"{names}: tips roll through the roots of an equal gear (continuous contact, pitch "
+                f"diameter {2e3 * rolled.pitch_radius:.5g} mm)"
+            )
+        elif first.detected.involute is None:
+            lines.append(f"{names}: no involutes, and no continuous contact: {reason}")
     return lines
 
 

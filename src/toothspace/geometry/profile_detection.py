@@ -360,15 +360,16 @@ def _tip_tolerance(tooth: Array) -> float:
     # noise of the radius about a smooth curve on the middle half of the tip
     radius = np.hypot(tooth[:, 0], tooth[:, 1])
     height = float(np.ptp(radius))
-    top = np.flatnonzero(radius > radius.max() - 0.01 * height)
     angle = np.arctan2(tooth[:, 1], tooth[:, 0])
-    low, high = angle[top].min(), angle[top].max()
-    middle = top[np.abs(angle[top] - 0.5 * (low + high)) < 0.25 * (high - low)]
-    noise = 0.0
-    if len(middle) > 12:
-        smooth = np.polynomial.Polynomial.fit(angle[middle], radius[middle], 4)(angle[middle])
-        noise = float(np.std(radius[middle] - smooth))
-    return max(2e-8, 1e-5 * height, 3.0 * noise)
+    noise = []
+    for share in (0.01, 0.001):  # round tips leave their land by less than the first
+        top = np.flatnonzero(radius > radius.max() - share * height)
+        low, high = angle[top].min(), angle[top].max()
+        middle = top[np.abs(angle[top] - 0.5 * (low + high)) < 0.25 * (high - low)]
+        if len(middle) > 12:
+            smooth = np.polynomial.Polynomial.fit(angle[middle], radius[middle], 4)(angle[middle])
+            noise.append(float(np.std(radius[middle] - smooth)))
+    return max(2e-8, 1e-5 * height, 3.0 * min(noise, default=0.0))
 
 
 def _in_sections(tooth: Array, tolerance: float) -> Array:

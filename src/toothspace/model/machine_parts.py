@@ -111,6 +111,10 @@ class FlowPath:
     """
     multiplicity: float = 1.0
     """Equal paths in parallel, for example both faces. [-]"""
+    end: float = 0.0
+    """Face in which an opening lies where both differ: 1 at the end of the teeth that leads, -1 at
+    the one that lags, 0 of others. [-]
+    """
     partner_shift: int = 0
     """Shift of node b (within its family) each time the table angle passes a full period: tooth
     pairing of gears with unequal tooth counts.

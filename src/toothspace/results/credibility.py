@@ -146,9 +146,20 @@ def _pressure(solution: Solution, highest: float) -> Iterator[Finding]:
             found=reached,
             allowed=f"up to {known}",
             severity="serious",
-            advice="Let enclosed fluid out: give machine.relief_grooves (two sides of the mesh, "
-            "their offsets and depth), widen backlash, or change the timing of the ports.",
+            advice=f"Let enclosed fluid out: {_way_out(solution)}, or change the timing of the "
+            "ports.",
         )
+
+
+def _way_out(solution: Solution) -> str:
+    """What lets enclosed fluid out of the chambers of this machine."""
+    data = solution.data
+    if "chamber" in data.coords and str(data["chamber"].values[0]).startswith("pocket"):
+        return "widen machine.rotors.tip_clearance, let the kidneys reach all over the pockets"
+    if "[machine.relief_grooves]" in solution.provenance.get("case_toml", ""):
+        return "move the edges of machine.relief_grooves nearer together, widen backlash"
+    sides = "two sides of the mesh, their offsets and depth"
+    return f"give machine.relief_grooves ({sides}), widen backlash"
 
 
 def _numbers(solution: Solution) -> Iterator[Finding]:

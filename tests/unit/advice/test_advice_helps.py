@@ -150,6 +150,16 @@ SEALED = {
     "machine.relief_grooves": None,
     "machine.gears.normal_backlash": "0.005 mm",
 }
+APART = {**GROOVES, "closing_side_offset": "7 mm", "opening_side_offset": "7 mm"}
+SHUT_POCKETS = {
+    "machine.rotors.tip_clearance": "7 um",
+    "machine.ports.inner_radius": "13.5 mm",
+    "machine.ports.outer_radius": "19 mm",
+    "fluid.temperature": "-10 degC",
+    "heat.model": None,
+    "operating_point.shaft_speed": "3000 rpm",
+    "operating_point.outlet_load": "fixed_pressure",
+}
 IDLE = {**QUICK, "operating_point.inlet_pressure": "2 bar"}
 STEEP = {
     **FIXED,
@@ -170,6 +180,23 @@ FOLLOWED = {
     ),
     "backlash lets enclosed fluid out": Advice(
         PRESSURE, "widen backlash", SEALED, {"machine.gears.normal_backlash": "0.2 mm"}, remains=0.7
+    ),
+    "grooves nearer together let enclosed fluid out": Advice(
+        PRESSURE,
+        "edges of machine.relief_grooves nearer together",
+        {**SEALED, "machine.relief_grooves": APART},
+        {"machine.relief_grooves": GROOVES},
+        remains=0.4,
+        marks=(SLOW,),
+    ),
+    "tip gaps let enclosed pockets out": Advice(
+        PRESSURE,
+        "widen machine.rotors.tip_clearance",
+        SHUT_POCKETS,
+        {"machine.rotors.tip_clearance": "100 um"},
+        "gerotor_cycloidal",
+        remains=0.2,
+        marks=(SLOW,),
     ),
     "grooves of a motor that fails": Advice(
         PRESSURE,

@@ -38,6 +38,19 @@ def test_pressures_beyond_the_fluid_are_told() -> None:
     assert "give machine.relief_grooves" in found
 
 
+def test_enclosed_fluid_is_let_out_of_what_the_machine_has() -> None:
+    """Grooves that are there are moved, and pockets of rotors have none."""
+    solution = fake_solution()
+    grooved = {"case_toml": "[machine.relief_grooves]\ndepth = 1"}
+    found = warnings(replace(solution, provenance=grooved), 100e5)
+    assert "move the edges of machine.relief_grooves" in found
+    labels = [f"pocket_{k}" for k in range(solution.data.sizes["chamber"])]
+    rotors = solution.data.assign_coords(chamber=labels)
+    found = warnings(replace(solution, data=rotors), 100e5)
+    assert "widen machine.rotors.tip_clearance" in found
+    assert "relief_grooves" not in found
+
+
 @pytest.mark.parametrize(
     ("name", "factor", "part"),
     [

@@ -11,7 +11,7 @@ import pytest
 from toothspace import api
 from toothspace.closures.density import mixture_density
 from toothspace.model import arrays as col
-from toothspace.results.performance import LABELS, leakages_of, parts_of
+from toothspace.results.performance import LABELS, leakages_of, means_by_label, parts_of
 from toothspace.results.solution import Solution
 from toothspace.solver import outcome
 from toothspace.solver.lost_flow import (
@@ -84,7 +84,15 @@ def assert_parts_sum(solution: Solution) -> None:
 def test_parts_sum_to_the_lost_flow_of_every_machine(name: str) -> None:
     solution = run(name, "run.revolutions=2")
     assert_parts_sum(solution)
-    assert set(LABELS) <= set(parts_of(solution.data))
+    parts = parts_of(solution.data)
+    assert set(LABELS) <= set(parts)
+    # what is drawn over the angle is on average what is summed
+    drawn = means_by_label(solution.data, "leakage")
+    summed = leakages_of(parts)
+    largest = max(map(abs, summed.values()))
+    assert largest > 0.0
+    for path, flow in summed.items():
+        assert drawn[path] == pytest.approx(flow, abs=0.01 * largest), path
 
 
 @pytest.mark.parametrize(

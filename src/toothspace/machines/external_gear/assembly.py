@@ -26,6 +26,9 @@ POINTS_PER_TOOTH = 200
 _DEEP_OVERLAP = 2e-5
 """Overlap beyond which the closest points of splines are not searched for. [m]"""
 
+_DRAWN_OVERLAP = 5e-6
+"""Overlap of drawn flanks that both touch, by the chords of a file or its last digit. [m]"""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -116,10 +119,11 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
         if play < -_DEEP_OVERLAP:
             raise meshing.overlap_error(distance, -play)
     loaded_is_left = spec.keys.mode == "pump"
+    overlap = _DRAWN_OVERLAP if spec.keys.gears.is_drawn else meshing.LARGEST_OVERLAP
     return Assembly(
         teeth=teeth,
         root_radii=(profiles[0].root_radius, profiles[1].root_radius),
-        mesh=meshing.in_contact(teeth, mesh, loaded_is_left),
+        mesh=meshing.in_contact(teeth, mesh, loaded_is_left, overlap),
         face_width=min(spec.drive.face_width, spec.driven.face_width),
         loaded_is_left=loaded_is_left,
         pair=pair,

@@ -21,7 +21,8 @@ from toothspace.gearing.helix import halfway_up
 from toothspace.geometry.body_section import AXES, SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import STEP_SUFFIXES, load_body_sections
-from toothspace.geometry.gear_data import gear_data
+from toothspace.geometry.continuous_contact import RolledOutline
+from toothspace.geometry.gear_data import continuous_contact, gear_data
 from toothspace.geometry.gear_finder import (
     FileContents,
     FoundGear,
@@ -47,6 +48,10 @@ _SHARE_OF_ROOT = 0.6
 """Journal diameter over root diameter, where no bearing is found. [-]"""
 _BACKLASH = 0.04
 """Normal backlash of gears without a partner, in modules. [-]"""
+_HELIX = np.deg2rad(23.0)
+"""Helix angle of gears of continuous contact of which a file holds one section. [rad]"""
+_GROOVES_APART = 0.5
+"""Offset of the grooves of gears of continuous contact from the centre line, in modules. [-]"""
 
 
 def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Path]:
@@ -127,7 +132,14 @@ def draft_case(
         note = "assumed: the outlet may be opposite"
         lines.append(draft_line("outlet_toward", around.toward, note))
     lines += ["", "[machine.gears]", *_part_keys(drive, unit, folder, "profile")]
-    if drive.face_width is None:
+    rolled, reason = continuous_contact(drive, driven)
+    if drive.face_width is None and not reason and rolled is not None:
+        # one section tells no helix: as wide as one pitch of overlap at a usual angle
+        width = 2.0 * np.pi * halfway_up(drive.detected.profile) / drive.detected.tooth_count
+        width = round(1e4 * width / np.tan(_HELIX)) * 1e-4
+        lines.append(draft_line("face_width", f"{1e3 * width:.4g} mm", "assumed: overlap 1"))
+        drive = replace(drive, helix_angle=_HELIX)
+    elif drive.face_width is None:
         lines.append(draft_line("face_width", "10 mm", "assumed: plane files have none"))
     else:
         lines.append(draft_line("face_width", f"{1e3 * drive.face_width:.6g} mm"))
@@ -140,9 +152,15 @@ def draft_case(
     if drive.helix_angle != 0.0:
         angle, hand = abs(np.rad2deg(drive.helix_angle)), "right"
         hand = hand if drive.helix_angle > 0.0 else "left"
-        lines.append(draft_line("helix_angle", f"{angle:.5g} deg", "halfway up the teeth"))
+        note = "halfway up the teeth" if drive.face_width else "assumed, halfway up the teeth"
+        lines.append(draft_line("helix_angle", f"{angle:.5g} deg", note))
         lines.append(draft_line("helix_hand", hand))
-    lines += _mesh_keys(drive, driven, paired=pair is not None)
+    if not reason:
+        note = "tips roll through the roots of an equal gear"
+        lines.append(draft_line("family", "continuous_contact", note))
+    elif drive.detected.involute is None:
+        lines.append(f"# ordinary gears, not of continuous contact: {reason}")
+    lines += _mesh_keys(drive, driven, paired=pair is not None, rolled=None if reason else rolled)
     if pair:
         own = _part_keys(driven, unit, folder, "profile")
         # the file and its unit are those of the drive gear, if one file holds both
@@ -183,7 +201,9 @@ def _part_keys(part: FoundGear | PlainBody, unit: str, folder: Path, stem: str) 
     return lines
 
 
-def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str]:
+def _mesh_keys(
+    drive: FoundGear, driven: FoundGear, *, paired: bool, rolled: RolledOutline | None
+) -> list[str]:
     data = gear_data(drive.detected.profile, drive.helix_angle)
     teeth = f"# {drive.detected.tooth_count} teeth"
     if data is not None:
@@ -193,6 +213,9 @@ def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str
             f"{data.profile_shift / np.cos(data.helix_angle):.4g}"
         )
     distance = axis_distance(drive, driven) if paired else None
+    if rolled is not None and distance is None:
+        note = f"assumed; centre distance {2e3 * rolled.pitch_radius:.5g} mm"
+        return [draft_line("normal_backlash", "0 mm", note), teeth]
     if distance is None:
         profile = drive.detected.profile
         module = 2.0 * profile.tip_radius / (profile.tooth_count + 2)
@@ -209,6 +232,14 @@ def _usual_grooves(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list
     Those of a helix lie farther off by a quarter of the twist of the teeth on the base circle: by
     half of it no space would be open to both, but shut for longer than its wide end needs.
     """
+    rolled, reason = continuous_contact(drive, driven)
+    if rolled is not None and not reason:
+        offset = f"{1e3 * _GROOVES_APART * rolled.module:.3g} mm"
+        return [
+            draft_line("closing_side_offset", offset, "assumed: from the centre line to the edge"),
+            draft_line("opening_side_offset", offset, "assumed"),
+            draft_line("depth", f"{0.4e3 * rolled.module:.2g} mm", "assumed"),
+        ]
     profiles = drive.detected.profile, driven.detected.profile
     flanks = [profile.involute for profile in profiles if profile.involute is not None]
     if len(flanks) < 2:

@@ -6,13 +6,20 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
+import numpy as np
+
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.signals import read_grid
 from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import TOOTH_KEYS, read_contours
+from toothspace.gearing.gear_tables import GROOVE_DEPTH, TOOTH_KEYS, read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.cad_import import is_solid
-from toothspace.geometry.continuous_contact import generate_continuous
+from toothspace.geometry.continuous_contact import (
+    LARGEST_DIFFERENCE,
+    generate_continuous,
+    outlines_apart,
+    rolled_outline,
+)
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
@@ -65,7 +72,8 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
     """
     driven_keys = _driven_keys(machine)
     shapes = [[getattr(k, name) for name in TOOTH_KEYS] for k in (machine.gears, driven_keys)]
-    if machine.gears.is_continuous and (shapes[0] != shapes[1] or driven_keys.profile is not None):
+    generated = machine.gears.is_continuous and not machine.gears.is_drawn
+    if generated and (shapes[0] != shapes[1] or driven_keys.profile is not None):
         allowed = "no keys of teeth: a gear of continuous contact meshes with an equal one"
         raise CaseError("driven_gear", "another tooth", allowed)
     if machine.gears.is_continuous and machine.casing.wear_in is not None:
@@ -125,6 +133,14 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
 
         polygons, depth = groove_contours(machine, drive, driven, distance)
         relief = grooves.outlined(polygons, depth, "relief_grooves.contour")
+    lagging = None
+    if grooves is not None and grooves.lagging_face is not None:
+        if machine.gears.helix_angle == 0.0:
+            allowed = "a helix_angle of the gears: the ends of spur teeth come together"
+            raise CaseError("relief_grooves.lagging_face", "a table", allowed)
+        own, key = grooves.lagging(), "relief_grooves.lagging_face.contour"
+        polygons = read_contours(own.contour, key, own.contour_unit) if own.contour else []
+        lagging = own.outlined(polygons, own.depth or GROOVE_DEPTH, key)
     return ExternalGearSpec(
         keys=machine,
         drive=drive,
@@ -134,6 +150,7 @@ def spec_from(machine: ExternalGearTables) -> ExternalGearSpec:
         seal_torque=seal_torque(machine.seals, bearing.diameter),
         casing_contour=contour,
         grooves=relief,
+        lagging_grooves=lagging,
         floating_block=block,
     )
 
@@ -160,6 +177,10 @@ def _check_pair(
         allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
         raise CaseError("journal_bearings.diameter", found, allowed)
     distance = in_file or machine.gears.center_distance or _pitch_diameter(machine.gears)
+    if machine.gears.is_drawn:
+        assert isinstance(first, GearProfile)
+        assert isinstance(second, GearProfile)
+        _check_drawn(first, second, distance)
     if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
         return distance or first.tip_radius + second.root_radius
     try:
@@ -172,9 +193,27 @@ def _check_pair(
         raise error.under("" if own else "gears") from error
 
 
+def _check_drawn(drive: GearProfile, driven: GearProfile, distance: float | None) -> None:
+    """Refuse drawn outlines of which the tips of one do not roll through the roots of the other."""
+    try:
+        rolled = rolled_outline(drive, distance)
+    except GeometryError as error:
+        raise error.under("gears") from error
+    if rolled.refusal:
+        allowed = "an outline of continuous contact, or leave this key out"
+        raise CaseError("gears.family", f"'continuous_contact' with {rolled.refusal}", allowed)
+    apart = outlines_apart(drive, driven)
+    if not apart <= LARGEST_DIFFERENCE * rolled.module:
+        found = "another outline" if np.isinf(apart) else f"an outline {1e3 * apart:.3g} mm off"
+        allowed = "one equal to that of the drive gear, with which it is in continuous contact"
+        raise CaseError("driven_gear.profile", found, allowed)
+
+
 def _pitch_diameter(gears: GearParameters) -> float | None:
-    # centre distance of gears of continuous contact
-    return 2.0 * gears.continuous_gear().reference_radius if gears.is_continuous else None
+    # centre distance of generated gears of continuous contact
+    if not gears.is_continuous or gears.is_drawn:
+        return None
+    return 2.0 * gears.continuous_gear().reference_radius
 
 
 def _driven_keys(machine: ExternalGearTables) -> GearParameters:
@@ -206,7 +245,7 @@ def _gear(gear: GearParameters, table: str) -> Gear:
 
         found = detected_gear(gear, gear.profile, table)
     tooth: InvoluteGear | GearProfile
-    if gear.is_continuous:
+    if gear.is_continuous and found is None:
         try:
             tooth = generate_continuous(gear.continuous_gear())
         except GeometryError as error:
@@ -214,7 +253,7 @@ def _gear(gear: GearParameters, table: str) -> Gear:
     elif found is None:
         tooth = gear.involute_gear(table)
     else:
-        drawn = gear.profile_flank == "drawn"
+        drawn = gear.is_drawn or gear.profile_flank == "drawn"
         tooth = found.detected.drawn if drawn else found.detected.profile
     width = gear.face_width or (found and found.face_width)
     if not width:

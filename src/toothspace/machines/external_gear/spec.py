@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, cast, final
+from typing import TYPE_CHECKING, Any, ClassVar, cast, final
 
 import shapely
 
@@ -150,8 +150,10 @@ class GearParameters(HelicalGearParameters):
     )
     family: str = choice(
         "Outline of generated teeth: involutes, or those of continuous contact whose tips roll "
-        "through the roots of an equal gear at a centre distance of one pitch diameter.",
+        "through the roots of an equal gear at a centre distance of one pitch diameter; "
+        "'continuous_contact' says that of a profile file.",
         "involute",
+        "continuous_contact",
         *FAMILIES,
         default="involute",
     )
@@ -174,11 +176,18 @@ class GearParameters(HelicalGearParameters):
     def __post_init__(self) -> None:
         if self.is_continuous:
             reason = f'with family = "{self.family}"'
-            forbid(self, reason, "profile", "tooth_deviations", "tool_tip_radius")
-            forbid(self, f"{reason}: pitch circles touch", "center_distance")
+            forbid(self, reason, "tooth_deviations", "tool_tip_radius")
             forbid(self, f"{reason}: mating teeth cut its tooth spaces in two", "axial_slices")
-            others = {"tip_diameter", "pressure_angle", "root_clearance"} - set(self._shape_keys)
-            forbid(self, reason, *sorted(others))
+            if self.is_drawn:
+                require(self, reason, "profile")
+                forbid(self, f"{reason}: tips are those of the file", "tip_land", "root_clearance")
+                if self.profile_teeth == "own":
+                    raise CaseError("profile_teeth", "'own'", f"'equal' {reason}")
+            else:
+                forbid(self, reason, "profile")
+                forbid(self, f"{reason}: pitch circles touch", "center_distance")
+                others = {"tip_diameter", "pressure_angle", "root_clearance"}
+                forbid(self, reason, *sorted(others - set(self._shape_keys)))
             for name in ("profile_shift", "dedendum"):
                 if getattr(self, name) != keys_of(type(self))[name][1].default:
                     raise CaseError(name, f"{getattr(self, name):g}", f"leave it out {reason}")
@@ -200,6 +209,11 @@ class GearParameters(HelicalGearParameters):
         return self.family != "involute"
 
     @property
+    def is_drawn(self) -> bool:
+        """Whether tips roll through roots as drawn in a file."""
+        return self.family == "continuous_contact"
+
+    @property
     def _shape_keys(self) -> tuple[str, ...]:
         return SHAPE_KEYS.get(self.family, ())
 
@@ -212,7 +226,7 @@ class GearParameters(HelicalGearParameters):
         return "tooth_count", "module", *shape, "normal_backlash"
 
     def continuous_gear(self) -> ContinuousGear:
-        """Return the gear of continuous contact in the transverse section."""
+        """Return the generated gear of continuous contact in the transverse section."""
         assert self.tooth_count is not None
         assert self.module is not None
         module, arcs = self.module / self.slope, self.family == "arc_involute_arc"
@@ -355,6 +369,29 @@ class BearingBlockParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class LaggingGrooveParameters(KeyTable):
+    """``[machine.relief_grooves.lagging_face]``: the keys in which that face differs."""
+
+    closing_side_offset: float | None = optional(ReliefGrooveParameters, "closing_side_offset")
+    opening_side_offset: float | None = optional(ReliefGrooveParameters, "opening_side_offset")
+    closing_side_angle: float | None = optional(ReliefGrooveParameters, "closing_side_angle")
+    opening_side_angle: float | None = optional(ReliefGrooveParameters, "opening_side_angle")
+    closing_side_bow: float | None = optional(ReliefGrooveParameters, "closing_side_bow")
+    opening_side_bow: float | None = optional(ReliefGrooveParameters, "opening_side_bow")
+    width: float | None = optional(ReliefGrooveParameters, "width")
+    radial_extent: float | None = optional(ReliefGrooveParameters, "radial_extent")
+    depth: float | None = optional(ReliefGrooveParameters, "depth")
+    contour: Path | None = optional(ReliefGrooveParameters, "contour")
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Keys that stand in the table."""
+        found = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in found.items() if value is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class BlockGrooveParameters(ReliefGrooveParameters):
     """``[machine.relief_grooves]``: in each face beside the gears, or those of a bearing block."""
 
@@ -369,10 +406,34 @@ class BlockGrooveParameters(ReliefGrooveParameters):
         "Bearing block in a solid file, the largest body is 0.", low=0, high=1000, default=None
     )
     contour_part: str | None = text("Name of the bearing block in a STEP file.", default=None)
+    lagging_face: LaggingGrooveParameters | None = table(
+        LaggingGrooveParameters,
+        "Of helical gears: where the grooves at the end of the teeth that lags differ from those "
+        "at the end that leads.",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         forbid_solid_keys(self, "contour_body", "contour_part")
         super().__post_init__()
+        self.lagging()
+
+    def lagging(self) -> BlockGrooveParameters:
+        """Return the grooves of the face at the lagging end.
+
+        Raises CaseError if they are impossible, or the contour hides what differs.
+        """
+        if self.lagging_face is None:
+            return self
+        given = self.lagging_face.given
+        if self.contour is not None and "contour" not in given:
+            found = f"{next(iter(given), 'nothing')} beside the contour of the other face"
+            raise CaseError("lagging_face.contour", found, "a contour of this face, too")
+        own: dict[str, Any] = dict.fromkeys(("lagging_face", "contour_body", "contour_part"))
+        try:
+            return replace(self, **own | given)
+        except CaseError as error:
+            raise error.under("lagging_face") from error
 
 
 @final
@@ -653,6 +714,8 @@ class ExternalGearSpec:
     """
     grooves: ReliefGrooves | None = None
     """Relief grooves of the faces, None without."""
+    lagging_grooves: ReliefGrooves | None = None
+    """Those of the face at the end of the teeth that lags, None where both faces are equal."""
     floating_block: FloatingBlock | None = None
     """Force balance of the floating bearing, None without."""
 
@@ -666,9 +729,9 @@ class ExternalGearSpec:
 
     @property
     def continuous(self) -> ContinuousGear | None:
-        """Gears of continuous contact; None for other teeth."""
+        """Generated gears of continuous contact; None for other teeth."""
         gears = self.keys.gears
-        return gears.continuous_gear() if gears.is_continuous else None
+        return gears.continuous_gear() if gears.is_continuous and not gears.is_drawn else None
 
     @property
     def shaft_radius(self) -> float:

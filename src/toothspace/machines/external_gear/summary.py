@@ -41,7 +41,11 @@ from toothspace.gearing.meshing import (
     path_of_contact,
 )
 from toothspace.gearing.spaces import Spaces, drive_spaces, section_areas
-from toothspace.geometry.continuous_contact import ContinuousGear
+from toothspace.geometry.continuous_contact import (
+    ContinuousGear,
+    RolledOutline,
+    rolled_outline,
+)
 from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_pair import normal_play
 from toothspace.geometry.gear_profile import GearProfile
@@ -189,8 +193,10 @@ def profile_quality(assembly: Assembly) -> dict[str, object]:
     fits = [found.involute for found in detected if found.involute is not None]
     numbers: dict[str, object] = {
         "chord_height_um": 1e6 * max(found.chord_height for found in detected),
-        "helix_angle_deg": float(np.rad2deg(max(abs(gear.helix_angle) for gear in gears))),
     }
+    solids = [abs(gear.helix_angle) for gear in gears if gear.body is not None]
+    if solids:  # one section tells no helix
+        numbers["helix_angle_deg"] = float(np.rad2deg(max(solids)))
     if len(fits) == len(gears):
         numbers |= {
             "involute_deviation_um": 1e6 * max(fit.form_error for fit in fits),
@@ -199,7 +205,7 @@ def profile_quality(assembly: Assembly) -> dict[str, object]:
             * max(max(abs(f.left.slope), abs(f.right.slope)) for f in fits),
             "fit_residual_um": 1e6 * max(fit.flank.residual for fit in fits),
         }
-    return numbers | _as_drawn(assembly)
+    return numbers if assembly.flanks_in_turn else numbers | _as_drawn(assembly)
 
 
 def _as_drawn(assembly: Assembly) -> dict[str, object]:
@@ -257,7 +263,7 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     for gear in _from_files(assembly):
         checks += [
             _chords(gear.detected),
-            _form(gear.detected),
+            *([] if assembly.flanks_in_turn else [_form(gear.detected)]),
             _winding(assembly, gear),
             DesignCheck(
                 "taper of the profile", float(np.rad2deg(gear.taper)), "deg", "0 deg",
@@ -407,8 +413,8 @@ def _groove_openings(
 
 def _tooth_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Geometry of the teeth, given by parameters or in files."""
-    if assembly.spec.continuous is not None:
-        return _continuous_checks(assembly, assembly.spec.continuous)
+    if assembly.flanks_in_turn:
+        return *_continuous_checks(assembly), *profile_checks(assembly)
     if assembly.pair is not None:
         vented = assembly.spec.grooves is not None
         return pair_checks(assembly.pair, assembly.face_width, vented=vented)
@@ -447,8 +453,11 @@ def enclosed_area(assembly: Assembly) -> float:
     return float(section_areas(spaces)[0])
 
 
-def _continuous_checks(assembly: Assembly, gear: ContinuousGear) -> tuple[DesignCheck, ...]:
+def _continuous_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Geometry of teeth whose flanks touch in turn."""
+    gear: ContinuousGear | RolledOutline | None = assembly.spec.continuous
+    if gear is None:
+        gear = rolled_outline(assembly.profiles[0], assembly.mesh.center_distance)
     helix = assembly.spec.helix
     overlap = 0.0 if helix is None else helix.overlap_ratio
     total = overlap + contact_ratio(assembly)
