@@ -42,9 +42,16 @@ _LONGEST_LIST = 20
 
 
 def load(case_file: Path, overrides: Sequence[str] | None) -> Case:
-    """Read a case with the values of ``--set`` laid over it, and refuse an impossible machine."""
-    from toothspace.case import load_case
+    """Read a case with the values of ``--set`` laid over it, and refuse an impossible machine.
 
+    Says so where compiled code is made anew, in a checkout whose sources have changed.
+    """
+    from toothspace.case import load_case
+    from toothspace.core.compilation.library import compiles_first
+
+    reason = compiles_first()
+    if reason:
+        message(f"Note: {reason}; what is used is compiled first. make kernels builds it.")
     return load_case(case_file, overrides or ()).check()
 
 

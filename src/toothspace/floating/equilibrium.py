@@ -42,6 +42,8 @@ _PUSH_TIME = 0.3
 _UNSTABLE = "forces balance where the smallest motion grows by {:.3g} 1/s"
 _SAME_PLACE = 1e-10
 """Distance up to which a bearing counts as held where it was. [m]"""
+_SAME_FRICTION = 0.01
+"""Part of the friction of sliding up to which it counts as that. [-]"""
 _RELAXATIONS = 150
 """Most film solutions of the relaxation without squeeze."""
 NodePressure = Callable[[float], Array]
@@ -69,7 +71,7 @@ class Equilibrium:
     """Outcome of a search."""
 
     balance: Balance
-    """Last state."""
+    """Last state; if settled with stiffness and damping of its own films."""
     settled: bool
     """Whether the remaining motion is negligible."""
     time: float
@@ -128,9 +130,10 @@ def find_equilibrium(
         if length <= 1e-12:
             return Equilibrium(now, False, time, number, "its time is over")
         like, ends = None, False
-        if known is not None:
-            ends = begun is not None and _ends_like(stack, loads, now, known.balance)
-            like = known.balance if ends else known.begun if begun is None else None
+        if known is not None and begun is None and loads.friction.coulomb_force != 0.0:
+            like = known.begun  # the first step tells whether friction lets go
+        elif known is not None and _ends_like(stack, loads, now, known.balance):
+            like, ends = replace(known.balance, slides=now.slides), True
         duration = search.longest_time - time if ends else length
         found = advance(stack, snapshots, loads, now, duration, step, like=like)
         if ends:
@@ -152,7 +155,8 @@ def find_equilibrium(
         if rests or _viscous(stack, now) > search.residual_motion * scale:
             continue
         # Newton's method stops at saddles too: a state counts that small motions return to
-        rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
+        now = replace(now, jacobian=film_coefficients(now.states, step.fineness))
+        rate, motion = growing_motion(stack, now, loads) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number, begun=begun)
         if pushes == _MOST_PUSHES:
@@ -168,14 +172,22 @@ def find_equilibrium(
 def _ends_like(stack: Stack, loads: Loads, now: Balance, end: Balance) -> bool:
     """Whether the place of an equilibrium follows from how bearings stick and slide now.
 
-    It does without friction, and where every bearing slides on in one sense or stays where it is; a
-    bearing that comes to rest on its way, or creeps by a smooth law, has to be followed.
+    It does without friction, and where every bearing stays where it is or slides on in one sense,
+    until the friction of sliding is all that is left. A bearing that comes to rest before, or
+    creeps by a smooth law, has to be followed.
     """
     if not loads.decide_slides:
         return loads.friction.coulomb_force == 0.0
-    ways = [abs(float(lever @ (end.position - now.position))) for lever in stack.levers]
-    pairs = zip(now.slides, end.slides, ways, strict=True)
-    return all(a == b and (a != 0 or way <= _SAME_PLACE) for a, b, way in pairs)
+    for k, (lever, sense) in enumerate(zip(stack.levers, now.slides, strict=True)):
+        way, sliding = float(lever @ (end.position - now.position)), loads.law(k).coulomb_force
+        if sense == 0:
+            same = end.slides[k] == 0 and abs(way) <= _SAME_PLACE
+        else:
+            left = abs(end.friction[k] + sense * sliding)
+            same = sense * way >= 0.0 and left <= _SAME_FRICTION * sliding
+        if not same:
+            return False
+    return True
 
 
 def _leaning(
@@ -201,7 +213,8 @@ def _leaning(
     if not last.converged:
         reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
         return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
-    rate, _ = growing_motion(stack, last, loads, step)
+    last = replace(last, jacobian=film_coefficients(last.states, step.fineness))
+    rate, _ = growing_motion(stack, last, loads)
     if rate * search.longest_time > 1.0:
         return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
     settled = _viscous(stack, last) <= search.residual_motion * balance_force(stack, loads.back)
@@ -252,9 +265,7 @@ _UNDAMPED = 1e-12
 """Damping over the largest from which it is rounding. [-]"""
 
 
-def growing_motion(
-    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
-) -> tuple[float, Array]:
+def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
     """Fastest growth of a motion that tips bodies in equilibrium, and its shape.
 
     Rate [1/s], zero if every motion decays, and coordinates with the largest one. [m, rad]
@@ -262,11 +273,9 @@ def growing_motion(
     Parameters
     ----------
     balance : Balance
-        Equilibrium; bearings that friction holds take no part.
+        Equilibrium with its stiffness and damping; bearings that friction holds take no part.
     loads : Loads
         Friction in the housing.
-    step : StepSettings
-        Basis functions of the deformation that is taken along.
 
     Notes
     -----
@@ -275,7 +284,8 @@ def growing_motion(
     motions circle. Those that circle faster than they grow do not tip a body, and are left out,
     as are those that no film damps: a cover holds all that moves together.
     """
-    stiffness, damping = film_coefficients(balance.states, step.fineness)
+    assert balance.jacobian is not None
+    stiffness, damping = balance.jacobian
     stiffness = stiffness + stop_forces(stack, balance.position)[1]
     every = np.eye(stack.size)[:, stack.free]
     if not loads.decide_slides:

@@ -194,12 +194,12 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
     found = np.full((len(COLUMNS), added.size), np.nan)
     middle = int(np.argmin(np.abs(added)))
     for way in (range(middle, -1, -1), range(middle + 1, added.size)):
-        now = point.equilibrium.balance
+        now = point.equilibrium
         for k in way:
             moved = _loaded(balance_of(point.description), float(added[k]), moment)
             machine = point.description.with_balance(moved)
             problem = lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
-            rest = problem.settle(problem.continued(now.position))
+            rest = problem.settle(problem.continued(now.balance.position), now)
             numbers = numbers_of(problem, rest.balance)
             held = rest.settled and not leaning(problem.stack, rest.balance.position)
             found[:, k] = (
@@ -215,7 +215,7 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
             if k > middle and not held:
                 found[:, k] = found[:, k - 1]
                 found[-1, k] = 1.0
-            now = rest.balance if held else now
+            now = rest if held else now
     return found
 
 

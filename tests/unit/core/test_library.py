@@ -15,6 +15,7 @@ import pytest
 from native.compile import target
 from native.record import widened
 from native.signatures import ArrayType, Scalar, TupleType, parsed, read_entries, text_of
+from toothspace.cli.output import load
 from toothspace.core.compilation import library
 from toothspace.core.compilation.entry import Entry
 from toothspace.core.compilation.library import Way, chosen
@@ -171,6 +172,23 @@ def test_other_sources_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     found = library._opened()
     assert isinstance(found, str)
     assert found.endswith("was built from other sources")
+
+
+def test_a_checkout_whose_library_is_older_says_that_it_compiles_first(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = Path(__file__).parents[3] / "cases" / "gerotor_cycloidal.toml"
+    older = Way.JUST_IN_TIME, "the library was built from other sources", None
+    monkeypatch.setattr(library, "chosen", lambda: older)
+    monkeypatch.delenv("TOOTHSPACE_COMPILATION", raising=False)
+    monkeypatch.setattr(library, "FOLDER", Path(__file__).parent)
+    monkeypatch.setattr(library, "LIBRARY", Path(__file__).name)
+    load(case, None)
+    said = capsys.readouterr().err
+    assert "built from other sources; what is used is compiled first. make kernels" in said
+    monkeypatch.setenv("TOOTHSPACE_COMPILATION", "jit")
+    load(case, None)
+    assert capsys.readouterr().err == ""
 
 
 def test_without_library_and_compiler_a_run_says_what_to_install(tmp_path: Path) -> None:

@@ -201,6 +201,17 @@ def test_films_of_continuous_contact_hold_its_axial_force() -> None:
     np.testing.assert_allclose(film[:2] - film[2:], thrust - [1500.0, 550.0], atol=1.0)
 
 
+@pytest.mark.slow
+def test_floating_bushings_of_continuous_contact_find_their_balance() -> None:
+    """Films carry both bushings where the area closes with a tenth more than the gears open."""
+    found = ts.simulate(HELICAL.with_name("continuous_floating.toml")).summary()
+    assert found["status"] == "done"
+    assert found["torque_loss_lateral_asperity_N_m"] == 0.0
+    assert found["smallest_film_um"] > 5.0
+    assert abs(found["force_balance_error"]) < 1e-5
+    assert found["mass_balance_error"] < 1e-7
+
+
 def test_bushings_that_rest_are_not_pressed() -> None:
     with pytest.raises(CaseError, match=r"floating_bearing\.high_pressure_area"):
         ts.load_case(HELICAL, (FIXED,)).machine_spec  # noqa: B018

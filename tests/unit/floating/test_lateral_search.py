@@ -13,23 +13,19 @@ from toothspace.floating.equilibrium import Equilibrium
 from toothspace.floating.problem import LateralProblem, LateralSettings
 
 
-@pytest.fixture
-def undamped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_motion_that_no_film_damps_neither_tips_nor_is_settled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Films that have all cavitated: neither stiffness nor damping."""
     nothing = np.zeros((3, 3))
-    monkeypatch.setattr(equilibrium, "film_coefficients", lambda *_: (nothing, nothing))
     monkeypatch.setattr(equilibrium, "stop_forces", lambda *_: (np.zeros(3), nothing))
-
-
-@pytest.mark.usefixtures("undamped")
-def test_motion_that_no_film_damps_neither_tips_nor_is_settled() -> None:
     stack = SimpleNamespace(size=3, free=[0, 1, 2], arms=np.ones(3))
     loads = SimpleNamespace(decide_slides=False)
     moving = SimpleNamespace(
         states=(), position=np.zeros(3), velocity=np.array([0.05, 0.0, 0.0]),
-        jacobian=(None, np.zeros((3, 3))),
+        jacobian=(nothing, nothing),
     )  # fmt: skip
-    rate, motion = equilibrium.growing_motion(stack, moving, loads, SimpleNamespace(fineness=1e-3))
+    rate, motion = equilibrium.growing_motion(stack, moving, loads)
     assert rate == 0.0
     assert not motion.any()
     assert equilibrium._viscous(stack, moving) == np.inf

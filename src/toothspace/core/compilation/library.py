@@ -103,6 +103,13 @@ def way() -> Way:
     return chosen()[0]
 
 
+def compiles_first() -> str:
+    """Why code is compiled as it is used although there is a library; empty where it is not."""
+    taken, reason, _ = chosen()
+    unused = taken is Way.JUST_IN_TIME and (FOLDER / LIBRARY).is_file()
+    return reason if unused and not os.environ.get("TOOTHSPACE_COMPILATION") else ""
+
+
 def compiler_version() -> str:
     """Version of Numba where that compiles; the target of the library where that is used."""
     found = chosen()[2]
