@@ -490,3 +490,125 @@ def test_without_the_cookie_nothing_is_shown(server: BenchServer, browser: Any) 
     assert page.goto(server.address.partition("?")[0]).status == 403
     assert page.goto(server.address.replace("token=", "token=x")).status == 403
     context.close()
+
+
+OPENINGS = """async ([cut, recesses, depth]) => {
+    const { grooveOpenings } = await import("/static/openings.js");
+    const times = [];
+    let found;
+    for (let k = 0; k < 30; k++) {
+        const began = performance.now();
+        found = grooveOpenings(cut, recesses, depth);
+        times.push(performance.now() - began);
+    }
+    return [found, Math.min(...times)];
+}"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["egm12_pump", "fuel14_pump", "crescent_pump"])
+def test_openings_that_follow_a_groove_are_those_of_the_tables(page: Any, name: str) -> None:
+    """Spaces of the pump as it is, cut by grooves that were moved, against the moved pump."""
+    case = load_case(name).at_point({})
+    grooves = case.machine.relief_grooves
+    drawn = look(case, cells=True)
+    assert drawn["cut"]["grooves"]
+    changes = {"closing_side_offset": 0.9, "width": 1.1, "depth": 0.8}
+    moved = case.replace(
+        {
+            f"machine.relief_grooves.{key}": f"{1e3 * factor * getattr(grooves, key)} mm"
+            for key, factor in changes.items()
+        }
+    )
+    expected = look(moved)
+    recesses = expected["section"]["recesses"]
+    given = [drawn["cut"], recesses, 0.8e3 * grooves.depth]
+    found, time_ms = page.evaluate(OPENINGS, given)
+    assert time_ms < 16.0  # a frame
+    curves = {
+        (one["family"], curve["role"]): curve["values"]
+        for one in expected["openings"]
+        for curve in one["curves"]
+    }
+    before = {
+        (one["family"], curve["role"]): curve["values"]
+        for one in drawn["openings"]
+        for curve in one["curves"]
+    }
+    for one in found:
+        place = one["family"], one["role"]
+        largest = max(curves[place])
+        # tables are interpolated between their nodes where a groove begins to open
+        assert one["values"] == pytest.approx(curves[place], abs=0.01 * largest), place
+        assert np.abs(np.subtract(curves[place], before[place])).max() > 0.03 * largest
+
+
+@pytest.mark.slow
+def test_the_opening_diagram_follows_the_pointer(page: Any) -> None:
+    begin(page, "Quiet a pump")
+    page.click("#tabs [data-name=geometry]")
+    until(page, "bench.shape?.cut?.grooves.length > 0")
+    box = page.locator(f"{GROOVE} circle").last.bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 8.0, y)
+    until(page, "bench.cut !== null")
+    wider = page.evaluate(
+        "[Math.max(...bench.cut[0].values), bench.cut[0].role, bench.cut[0].values.length]"
+    )
+    before = page.evaluate("bench.shape.cut.grooves.length && bench.shape.openings[0].angle.length")
+    assert wider[1] == "outlet_groove"
+    assert wider[0] > 0.0
+    assert wider[2] == before  # the same angles as the curves of the tables
+    # numbers and rules come from the server, without the drawing
+    until(page, "bench.looks.length > 2")
+    assert page.evaluate("bench.shape.section.bodies.length") == 2
+    page.mouse.up()
+    until(page, "bench.cut === null && bench.answer.version === bench.design.version")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("card", "kind", "filled", "expected"),
+    [
+        (
+            "Start a motor",
+            "startup",
+            {"plateaus": "200 300", "starts": "2"},
+            {"plateau_speed": ["200 rpm", "300 rpm"], "start_angle_count": 2},
+        ),
+        (
+            "Balance a bushing",
+            "hysteresis",
+            {"least": "20", "most": "60", "steps": "2", "gap": "1", "friction": "0.02"},
+            {
+                "outlet_pressures": ["20 bar", "40 bar", "60 bar", "40 bar", "20 bar"],
+                "start_gap": "1 um",
+                "friction_coefficient": 0.02,
+                "breakaway_speed": "1.6 mm/s",
+            },
+        ),
+    ],
+)
+def test_start_and_hysteresis_are_asked_for_where_they_make_sense(
+    page: Any, server: BenchServer, card: str, kind: str, filled: dict[str, str], expected: Any
+) -> None:
+    page.click(f"#start .card:has-text('{card}')")
+    until(page, "bench.shape?.handles?.length > 0")
+    page.click("#tabs >> text=Runs")
+    offered = page.locator("#study-form [name=kind] option").evaluate_all(
+        "all => all.map(o => o.value)"
+    )
+    assert ("startup" in offered, "hysteresis" in offered) == (kind == "startup", True)
+    page.select_option("#study-form [name=kind]", kind)
+    for name, value in filled.items():
+        page.fill(f"#study-form [name={name}]", value)
+    assert not page.is_visible("#study-form [name=samples]")
+    page.click("#study-form button.first")
+    run = "#runs .run >> nth=0"
+    page.wait_for_selector(f"{run} >> button:has-text('Stop')")
+    studies = [one["tables"].get("study") for one in server.bench.workspace.runs()]
+    assert {"kind": kind, **expected} in studies
+    page.click(f"{run} >> button:has-text('Stop')")
+    page.wait_for_selector(f"{run} >> text=stopped")

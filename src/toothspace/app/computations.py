@@ -74,15 +74,20 @@ class Computations:
         """Case as TOML."""
         return self.case(tables).to_toml(self._folder)
 
-    def look(self, tables: Mapping[str, Any], values: Mapping[str, Any], drag: bool) -> Any:
-        """Section, numbers, openings and rules of a machine with other values."""
+    def look(self, tables: Mapping[str, Any], values: Mapping[str, Any], **asked: bool) -> Any:
+        """Section, numbers, openings and rules of a machine with other values.
+
+        While a handle is dragged (``drag``) of coarser tables; what the page draws itself
+        (``numbers_only``) is left out, ``cells`` are what it cuts grooves from.
+        """
         self._workspace.guard(dict(values))
         case = self.case(tables)
         if values:
             case = case.replace(values)
         if case.machine is None:
             return {}
-        return look(case, DRAG_NODES if drag else None)
+        nodes = DRAG_NODES if asked.pop("drag", False) else None
+        return look(case, nodes, **asked)
 
     def answer(self, design: str, tables: Mapping[str, Any], full: bool) -> dict[str, Any]:
         """Solve a machine, quickly from its last cyclic state or in full."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 
 from toothspace.app.handles import closed_form_of, handles_of
 from toothspace.app.side_view import side_view
@@ -17,7 +18,7 @@ from toothspace.core.files import plain
 from toothspace.core.registry import machine_type
 from toothspace.core.types import Array
 from toothspace.geometry.curve import enclosed
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.plotting.geometry import opening_area, openings_of
 from toothspace.plotting.section import (
     fixed_parts,
@@ -40,7 +41,9 @@ _TURNING_ERROR = 25e-6
 _OPENING_NODES = 181
 
 
-def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
+def look(
+    case: Case, nodes: int | None = None, *, numbers_only: bool = False, cells: bool = False
+) -> dict[str, Any]:
     """Section, handles, numbers, opening areas and design rules of the machine of a case.
 
     Parameters
@@ -49,6 +52,10 @@ def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
         Case with a machine.
     nodes : int, optional
         Table nodes on a turn; default those of a run.
+    numbers_only : bool
+        Whether to leave out the drawing, which takes as long as the rest.
+    cells : bool
+        Whether to add outlines of the tooth spaces, from which moved grooves are cut.
 
     Raises
     ------
@@ -58,13 +65,8 @@ def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
     described = machine_type(case.machine_type).describe
     spec = case.machine_spec
     description = described(spec) if nodes is None else described(spec, nodes)
-    beside = side_view(case, description)
-    return {
-        "section": section(description),
-        "side": beside.parts,
-        "handles": handles_of(case, description, beside),
+    found = {
         "numbers": plain(description.geometry_summary),
-        "closed": closed_form_of(case),
         "openings": openings(description),
         "volume": volume(description),
         "rules": [
@@ -78,6 +80,17 @@ def look(case: Case, nodes: int | None = None) -> dict[str, Any]:
             }
             for check in description.checks
         ],
+    }
+    if numbers_only:
+        return found
+    beside = side_view(case, description)
+    return {
+        **found,
+        "section": section(description),
+        "side": beside.parts,
+        "handles": handles_of(case, description, beside),
+        "closed": closed_form_of(case),
+        "cut": groove_cuts(case, description) if cells else None,
     }
 
 
@@ -120,19 +133,86 @@ def openings(description: MachineDescription) -> list[dict[str, Any]]:
     """Open areas of one chamber of each family over its own angle. [deg], [mm2]."""
     found = []
     for family in description.families:
-        angle = np.linspace(0.0, family.volume.period, _OPENING_NODES)
+        angle = np.linspace(0.0, family.volume.period, family.count * _steps(family) + 1)
         curves = []
         for category in openings_of(description):
             area = opening_area(description, family, category, angle) * 1e6
             if float(area.max()) > 0.0:
                 curves.append(
-                    {"label": category.label, "colour": category.colour, "values": rounded(area)}
+                    {
+                        "label": category.label,
+                        "role": category.role,
+                        "colour": category.colour,
+                        "values": rounded(area),
+                    }
                 )
         if curves:
             found.append(
                 {"family": family.name, "angle": rounded(np.degrees(angle)), "curves": curves}
             )
     return found
+
+
+def _steps(family: ChamberFamily) -> int:
+    """Steps from one chamber of a family to the next in a diagram of its openings."""
+    return -(-(_OPENING_NODES - 1) // family.count)
+
+
+def groove_cuts(case: Case, description: MachineDescription) -> dict[str, Any] | None:
+    """Tooth spaces near the relief grooves at the angles of :func:`openings`, in mm.
+
+    The browser cuts them with grooves that move; the area that it finds is that of the tables. None
+    where grooves are no rectangles, or teeth turn along the axis.
+    """
+    recesses = {n: o for n, o in recess_outlines(description).items() if n.startswith("groove_")}
+    corners = {np.unique(outline, axis=0).shape[0] for outline in recesses.values()}
+    outlines = description.chamber_outlines
+    if outlines is None or description.winding is not None or corners != {4}:
+        return None
+    spaces: dict[str, dict[int, list[list[float]]]] = {}
+    grooves, first = [], 0
+    for family in description.families:
+        steps, chambers = _steps(family), slice(first, first + family.count)
+        first += family.count
+        own = [
+            path
+            for path in description.paths
+            if path.category.role in ("inlet_groove", "outlet_groove")
+            and path.kind == "orifice"
+            and chambers.start in path.nodes_a
+        ]
+        if not own:
+            continue
+        nodes = family.count * steps
+        step, near = family.volume.period / nodes, dict[int, list[list[float]]]()
+        for k in range(steps):
+            shaft = (k * step - float(family.phases[0])) / family.angle_ratio
+            places = np.rint((family.phases + family.angle_ratio * shaft) / step).astype(int)
+            for place, outline in zip(places, outlines(shaft)[chambers], strict=True):
+                if any(_near(outline, recess) for recess in recesses.values()):
+                    line = shapely.LinearRing(outline).simplify(_DRAWN_ERROR)
+                    near[int(place) % nodes] = np.round(_MM * shapely.get_coordinates(line), 4)[
+                        :-1
+                    ].tolist()
+        spaces[family.name] = near
+        grooves += [
+            {
+                "family": family.name,
+                "role": path.category.role,
+                "recess": "groove_" + path.category.role.removesuffix("_groove"),
+                "faces": path.multiplicity,
+                "nodes": nodes,
+            }
+            for path in own
+        ]
+    return {"spaces": spaces, "grooves": grooves}
+
+
+def _near(outline: Array, recess: Array) -> bool:
+    """Whether an outline comes as near to a recess as a handle may move its edges."""
+    room = np.ptp(recess, axis=0).max()
+    low, high = recess.min(axis=0) - room, recess.max(axis=0) + room
+    return bool(np.all(outline.max(axis=0) > low) and np.all(outline.min(axis=0) < high))
 
 
 def volume(description: MachineDescription) -> dict[str, Any]:
@@ -185,8 +265,6 @@ def drawn_bodies(
 
 
 def _drawn(file: Path, cut: BodySection, kind: str, gear: FoundGear | None) -> dict[str, Any]:
-    import shapely
-
     return {
         "file": file.name,
         "body": cut.body,

@@ -235,7 +235,8 @@ class Bench:
     def look(self, name: str, given: Mapping[str, Any]) -> Any:
         """Machine of a design with other values, which are not kept."""
         tables = self.workspace.design(name)["tables"]
-        return self._look("look", tables, _table(given, "values"), bool(given.get("drag")))
+        asked = {name: bool(given.get(name)) for name in ("drag", "numbers_only", "cells")}
+        return self._look("look", tables, _table(given, "values"), **asked)
 
     def answer(self, name: str, given: Mapping[str, Any]) -> Any:
         """Solve a design; a newer question of the same tab takes the place of an older one."""
@@ -370,8 +371,8 @@ class Bench:
             raise CaseError("left_out", repr(left_out)[:200], "pairs of a file and a body's number")
         return self._looking.call("found_in", known, unit, left_out, longest=_READ_TIME)
 
-    def _look(self, name: str, *arguments: Any) -> Any:
-        return self._looking.call(name, *arguments, longest=_LOOK_TIME)
+    def _look(self, name: str, *arguments: Any, **named: Any) -> Any:
+        return self._looking.call(name, *arguments, named=named, longest=_LOOK_TIME)
 
     def _told(self, design: Mapping[str, Any]) -> dict[str, Any]:
         self._tell("design", {"id": design["id"], "version": design["version"]})

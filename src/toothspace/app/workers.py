@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
@@ -55,7 +55,12 @@ class Worker:
         self._stop: Event = context.Event()
 
     def call(
-        self, name: str, *arguments: Any, told: Told | None = None, longest: float | None = None
+        self,
+        name: str,
+        *arguments: Any,
+        named: Mapping[str, Any] | None = None,
+        told: Told | None = None,
+        longest: float | None = None,
     ) -> Any:
         """Return what a method of :class:`~toothspace.app.computations.Computations` returns.
 
@@ -65,6 +70,8 @@ class Worker:
             Method.
         *arguments : object
             Its arguments.
+        named : mapping, optional
+            Its arguments by name.
         told : callable, optional
             Called with the finished share and a short text.
         longest : float, optional
@@ -81,7 +88,7 @@ class Worker:
             connection = self._started()
             self._stop.clear()
             try:
-                connection.send((name, arguments))
+                connection.send((name, arguments, dict(named or {})))
                 return self._answer(connection, told, longest)
             except (EOFError, OSError) as error:
                 code = None if self._process is None else self._process.exitcode
@@ -157,11 +164,11 @@ def _serve(connection: Connection, stop: Event, folder: Path) -> None:
     rooms = Computations(folder, told)
     while True:
         try:
-            name, arguments = connection.recv()
+            name, arguments, named = connection.recv()
         except (EOFError, OSError):
             return
         try:
-            answer = "done", getattr(rooms, name)(*arguments)
+            answer = "done", getattr(rooms, name)(*arguments, **named)
         except KeyboardInterrupt:
             answer = "stopped", None
         except MemoryError:
@@ -173,7 +180,7 @@ def _serve(connection: Connection, stop: Event, folder: Path) -> None:
         except Exception as error:
             answer = "wrong", CaseError(f"Unexpected {type(error).__name__}: {error}")
         connection.send(answer)
-        del answer, arguments
+        del answer, arguments, named
         _give_memory_back()
 
 

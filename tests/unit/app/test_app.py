@@ -231,6 +231,11 @@ def test_a_look_shows_handles_where_the_section_has_them(client: Client) -> None
     assert seen["numbers"]["displacement_cm3_per_rev"] == pytest.approx(4.95, rel=1e-3)
     assert all(set(rule) >= {"label", "passed", "allowed", "reason"} for rule in seen["rules"])
     assert client.get(f"/api/designs/{design['id']}")[1]["tables"] == design["tables"]
+    # what the page draws itself is left out, the rest is the same
+    asked = {"values": values, "drag": True, "numbers_only": True}
+    code, numbers = client.post(f"/api/designs/{design['id']}/look", asked)
+    assert code == 200
+    assert numbers == {name: seen[name] for name in ("numbers", "openings", "volume", "rules")}
 
 
 def test_a_changed_groove_answers_from_the_last_cyclic_state(client: Client) -> None:

@@ -5,8 +5,9 @@ import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
 import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
+import { grooveOpenings } from "./openings.js";
 import { showStart } from "./start.js";
-import { factor, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
+import { factor, fixed, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
 const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
@@ -16,7 +17,7 @@ const LIVE = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3",
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = {}, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
-window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], follows: [], get shape() { return shape; } };
+window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], follows: [], get shape() { return shape; }, get cut() { return cut; } };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
 const curves = new Curves(by("curves"), angle => { if (answer?.turn) turnTo(angle); }), areas = new Curves(by("openings"));
@@ -47,13 +48,15 @@ function take(found) {
   showVariants(); showCircuit(); if (!by("panel-keys").hidden) showKeys(); if (!by("panel-text").hidden) showText();
 }
 async function look(values, drag, fit = false) {
-  const began = performance.now(), id = design.id;
-  const found = await ask(`/api/designs/${id}/look`, { values, drag });
+  const began = performance.now(), id = design.id, numbersOnly = drag && drawnHere(), cells = !drag && !by("panel-geometry").hidden;
+  const found = await ask(`/api/designs/${id}/look`, { values, drag, numbers_only: numbersOnly, cells });
   if (design?.id !== id) return;
   window.bench.looks.push(performance.now() - began);
+  const newest = () => { if (drag && JSON.stringify(values) !== JSON.stringify(moved())) follow(); else { followed = null; geometry(); live(); } };
+  if (numbersOnly) { shape = { ...shape, ...found }; newest(); return; }
   by("left").hidden = !found.section;
   if (!found.section) return;
-  shape = found;
+  shape = { ...found, cells }; cut = null;
   const now = Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h]));
   const held = machine.held;
   for (const handle of found.handles) if (now[handle.path]) { const old = now[handle.path]; Object.assign(handle, { place: old.place ?? handle.place, value: old.value, low: old.low, high: old.high, now: old.now, drawn: values[handle.path] === written(old, old.now) ? old.now - old.value : undefined }); }
@@ -61,7 +64,7 @@ async function look(values, drag, fit = false) {
   if (drag) machine.turn(null);
   machine.show({ ...found.section, side: found.side }, found.handles, fit);
   if (!drag) dimensions();
-  if (drag && JSON.stringify(values) !== JSON.stringify(moved())) follow(); else { followed = null; geometry(); live(); }
+  newest();
   if (!drag && !machine.turning && answer?.findings) fetchTurning(); // the answer was here first
 }
 // the newest values win; one question is under way at a time
@@ -79,15 +82,26 @@ const movedHandles = () => machine.handles.filter(h => h.now !== undefined && h.
 const moved = () => Object.assign({}, ...movedHandles().map(h => h.with ?? {}), ...movedHandles().map(h => ({ [h.path]: written(h, h.now) })));
 const written = (handle, value) => handle.unit ? `${value} ${handle.unit}` : value;
 
+// moved keys that change nothing in the section but what the page moves itself
+const STILL = /^(fluid|operating_point|machine\.(relief_grooves|lateral|journal_bearings|casing\.radial_clearance))\b|\.face_width$/;
+const drawnHere = () => shape?.section && movedHandles().every(h => STILL.test(h.path)) && Object.entries(shape.section.recesses).every(([name, outline]) => !name.startsWith("groove_") || outline.length < 7);
+
 // closed forms follow the pointer; what the server computes of the same values takes their place
-let followed = null, following = 0;
+let followed = null, following = 0, cut = null;
+function cutGrooves() {
+  const own = movedHandles(), depth = machine.handles.find(h => h.path === "machine.relief_grooves.depth");
+  if (!shape?.cut || !depth || !own.length || !own.every(h => h.path.startsWith("machine.relief_grooves."))) return null;
+  return grooveOpenings(shape.cut, machine.section.recesses, depth.now ?? depth.value);
+}
 function follow() {
   following ||= requestAnimationFrame(() => {
     following = 0;
     const began = performance.now();
     followed = shape && kinematics(shape.closed, Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h.now])));
-    if (!followed) return;
-    machine.follow(followed); geometry(); live();
+    cut = cutGrooves();
+    if (!followed && !cut) return;
+    if (followed) machine.follow(followed);
+    geometry(); live();
     window.bench.follows.push(performance.now() - began);
   });
 }
@@ -232,7 +246,8 @@ function showAnswer() {
     curves.show(Object.entries(all).map(([name, curve]) => ({ name, title: `${curve.label} over time (s)`, unit: curve.unit, x: time, xUnit: " s", lines: [curve], ghosts: [old[name]?.values] })));
   } else curves.show([]);
   const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
-  by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${text(l.watt, 3)} W` })); }));
+  const [scale, unit, places] = worst >= 1e4 ? [1e-3, "kW", 3] : [1, "W", worst >= 100 ? 1 : 2]; // one unit and as many places for all, so that they can be compared
+  by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${fixed(scale * l.watt, places)} ${unit}` })); }));
   by("findings").replaceChildren(...(answer.findings ?? []).map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
 }
 let geometryBefore = null;
@@ -240,7 +255,8 @@ function geometry() {
   if (by("panel-geometry").hidden) return;
   const found = { ...shape.numbers, ...followed?.numbers };
   by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof found[key] === "number").map(key => tile(key, found[key], geometryBefore?.[key])));
-  if (!followed) areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves, height: 170 })));
+  const now = (family, curve) => ({ ...curve, values: cut?.find(one => one.family === family && one.role === curve.role)?.values ?? curve.values });
+  if (!followed || cut) areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves.map(curve => now(one.family, curve)), height: 170 })));
   const rules = rulesNow().sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
   const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: pretty(r.shown) })), element("p", { className: "small", textContent: `Allowed: ${pretty(r.allowed)}. ${r.reason}` }));
   const more = by("rules").querySelector(":scope > details.more");
@@ -343,23 +359,27 @@ function runBox(run) {
 // a list that was asked for before a run changed and comes after it would show the run as it was
 async function loadRuns() { let told, found; do { told = runsTold; found = await ask("/api/runs"); } while (told !== runsTold); runs = found; if (design) showRuns(); }
 async function startRun(kind, values) { await attempt(async () => { await ask("/api/runs", { design: design.id, kind, values }); await loadRuns(); }); }
+// pump of a circuit that supplies the machine
+const supplied = () => Object.values(design.tables.circuit ?? {}).find(one => one?.kind === "pump_map");
 function studyForm() {
   const form = by("study-form"), choice = (name, list, label) => element("label", {}, `${label} `, element("select", { name }, ...list.map(([v, t]) => element("option", { value: v, textContent: t }))));
   const options = (shape?.handles ?? []).map(h => [h.path, h.label]), goals = TILES.slice(0, 12).map(k => [k, named(k).label]);
   const field = (name, label, value) => element("label", {}, `${label} `, element("input", { name, type: "text", value, size: 7 }));
-  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"], ["tolerance", "Tolerance of one dimension"], ["efficiency_map", "Efficiency map"]], "Study"), key = choice("key", options, "Dimension");
+  const kind = choice("kind", [["sweep", "Sweep over one dimension"], ["optimise", "Optimise one dimension"], ["tolerance", "Tolerance of one dimension"], ["efficiency_map", "Efficiency map"], ...(supplied() ? [["startup", "Start-up from rest"]] : []), ...(design.tables.machine?.floating_bearing ? [["hysteresis", "Hysteresis of the floating bearing"]] : [])], "Study"), key = choice("key", options, "Dimension");
   const chosen = () => shape.handles.find(h => h.path === key.querySelector("select").value), shownUnit = element("span", { className: "small" });
   const from = field("from", "From", ""), to = field("to", "To", ""), count = field("count", "Points", "5"), goal = choice("goal", [["maximise", "highest"], ["minimise", "lowest"]], "Goal"), objective = choice("objective", goals, "of");
   const width = field("tolerance", "Tolerance ±", ""), samples = field("samples", "Machines", "24");
   const speeds = [field("slowest", "Speed from", "500"), field("fastest", "to", "3000"), element("span", { className: "small", textContent: "rpm" })];
   const pressures = [field("lowest", "Pressure difference from", text(toShown(50, "bar"), 3)), field("highest", "to", text(toShown(200, "bar"), 3)), element("span", { className: "small", textContent: unitShown("bar") })];
+  const speedsOfSupply = field("plateaus", "Speeds of the supply", supplied() ? String(Math.max(...supplied().speed.map(([, v]) => parseFloat(v)))) : ""), starts = field("starts", "Shaft angles at rest", "1");
+  const loop = [field("least", "Outlet pressure from", text(toShown(20, "bar"), 3)), field("most", "to", text(toShown(80, "bar"), 3)), element("span", { className: "small", textContent: unitShown("bar") }), field("steps", "Steps up and down", "3"), field("gap", "Gap at the start", "2"), element("span", { className: "small", textContent: "µm" }), field("friction", "Friction coefficient in the housing, full at 1.6 mm/s", text(.01))];
   const fill = () => { const h = chosen(); if (!h) return; from.lastChild.value = text(toShown(h.low, h.unit)); to.lastChild.value = text(toShown(h.high, h.unit)); width.lastChild.value = text(.05 * Math.abs(h.value) * factor(h.unit), 3); shownUnit.textContent = unitShown(h.unit); };
   if (lastMoved && options.some(([p]) => p === lastMoved)) key.querySelector("select").value = lastMoved;
   key.onchange = fill;
-  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, width, shownUnit, count, samples, goal, objective), element("div", { className: "row" }, ...speeds), element("div", { className: "row" }, ...pressures), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Start-up, hysteresis and the other studies: open their case on the first page, or table “Study” under All keys, then Full run." }));
+  form.replaceChildren(element("div", { className: "row" }, kind, key), element("div", { className: "row" }, from, to, width, shownUnit, count, samples, goal, objective), element("div", { className: "row" }, ...speeds), element("div", { className: "row" }, ...pressures), element("div", { className: "row" }, speedsOfSupply, starts), element("div", { className: "row" }, ...loop), element("button", { className: "first", textContent: "Start the study" }), element("p", { className: "small", textContent: "Start-up needs a circuit with a pump that supplies it, hysteresis a floating bearing. Other studies: table “Study” under All keys, then Full run." }));
   const both = () => {
     const one = kind.querySelector("select").value, seen = (list, wanted) => { for (const box of list) box.hidden = !wanted; };
-    seen([key, shownUnit], one !== "efficiency_map"); seen([from, to], one === "sweep" || one === "optimise"); seen([count], one === "sweep" || one === "efficiency_map");
+    seen([key, shownUnit], ["sweep", "optimise", "tolerance"].includes(one)); seen([speedsOfSupply, starts], one === "startup"); seen(loop, one === "hysteresis"); seen([from, to], one === "sweep" || one === "optimise"); seen([count], one === "sweep" || one === "efficiency_map");
     seen([width, samples], one === "tolerance"); seen([goal, objective], one === "optimise"); seen([...speeds, ...pressures], one === "efficiency_map");
   };
   kind.onchange = both; both(); fill();
@@ -372,6 +392,11 @@ function studyForm() {
       optimise: () => ({ kind: "optimise", objective: data.get("objective"), goal: data.get("goal"), vary: { [h.path]: { from: value(a), to: value(b) } } }),
       tolerance: () => ({ kind: "tolerance", sample_count: Math.max(2, Math.round(of("samples"))), vary: { [h.path]: { tolerance: value(of("tolerance") / factor(h.unit)) } } }),
       efficiency_map: () => ({ kind: "efficiency_map", shaft_speed: { from: `${of("slowest")} rpm`, to: `${of("fastest")} rpm`, count: n }, pressure_difference: { from: bar("lowest"), to: bar("highest"), count: n } }),
+      startup: () => ({ kind: "startup", plateau_speed: data.get("plateaus").split(/[;\s]+/).filter(Boolean).map(v => `${number(v)} rpm`), start_angle_count: Math.max(1, Math.round(of("starts"))) }),
+      hysteresis: () => {
+        const [low, high] = [of("least"), of("most")].map(p => fromShown(p, "bar")), count = Math.max(1, Math.round(of("steps"))), up = Array.from({ length: count + 1 }, (_, k) => `${Number((low + (high - low) * k / count).toPrecision(6))} bar`);
+        return { kind: "hysteresis", outlet_pressures: [...up, ...up.slice(0, -1).reverse()], start_gap: `${of("gap")} um`, friction_coefficient: of("friction"), breakaway_speed: "1.6 mm/s" };
+      },
     };
     startRun("study", { study: studies[data.get("kind")]() });
   };
@@ -393,7 +418,7 @@ by("search").oninput = () => shape && dimensions();
 function choose(name) {
   for (const [one] of TABS) by(`panel-${one}`).hidden = one !== name;
   for (const tab of by("tabs").children) tab.setAttribute("aria-selected", tab.dataset.name === name);
-  if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); }
+  if (name === "geometry" && shape) { geometryBefore ??= shape.numbers; geometry(); if (!shape.cells) attempt(() => look({}, false)); }
   if (name === "circuit") showCircuit();
   if (name === "views") attempt(async () => { await loadRuns(); await showViews(); });
   if (name === "keys") showKeys();

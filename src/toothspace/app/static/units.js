@@ -24,6 +24,7 @@ export function text(value, digits = 4) {
   const plain = value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-4 ? value.toExponential(digits - 1) : String(Number(value.toPrecision(digits)));
   return units.numbers === "1,5" ? plain.replace(".", ",") : plain;
 }
+export const fixed = (value, places) => units.numbers === "1,5" ? value.toFixed(places).replace(".", ",") : value.toFixed(places);
 // a text of the program with values in its units, in those of the user
 export const pretty = told => told.replace(/(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) (bar|mm2|mm3|mm|um|degC|deg|L\/min)\b/g, (_, value, unit) => `${text(toShown(Number(value), unit))}${unit === "deg" ? "" : " "}${unitShown(unit)}`);
 export const number = given => Number(String(given).trim().replace(/\s/g, "").replace(",", "."));
