@@ -20,6 +20,7 @@ from toothspace.model.arrays import FILM_FORCE, FLOW, HEIGHT, MOTION_RATIO, Syst
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import (
+    _add_face,
     load_period,
     load_weights,
     preload_of,
@@ -139,6 +140,24 @@ def test_values_between_nodes(
     assert closed * now[DRAG_STRESS] == pytest.approx(torque * films.drag(*at), rel=1e-6)
     assert closed * now[ASPERITY_STRESS] == pytest.approx(torque * films.asperity(*at), rel=1e-6)
     assert now[LAG_TIME] == pytest.approx(LAG_NUMBER * viscosity / difference, rel=1e-6)
+
+
+def test_areas_on_which_pressures_press_add_up_to_the_side_of_a_gear(run: Run) -> None:
+    """Teeth and spaces between bore and tips, whatever part of it counts to which pressure."""
+    balance = run.machine.lateral_balance
+    assert balance is not None
+    sides = [own for own in balance.interfaces if own.side == "floating"]
+    assert len(sides) == 2
+    for own in sides:
+        found = []
+        for share in (0.1, 0.6):
+            weights = np.zeros((run.machine.drain_node + 1, 2))
+            _add_face(weights, own, share * load_period(balance))
+            assert weights[:, 0].min() >= 0.0
+            found.append(weights[:, 0].sum())
+        ring = np.pi * (own.face.outer_radius**2 - own.face.inner_radius**2)
+        assert found[0] == pytest.approx(found[1], rel=0.02)
+        assert 0.8 * ring < found[0] < 1.001 * ring
 
 
 @pytest.mark.slow
