@@ -38,6 +38,9 @@ _NO_THROAT = 1.0
 _RADIUS_RANGE = 2.9e-3, 1.46
 """Relative radii of curvature that count, over the pitch radius of the drive gear. [-]"""
 
+_FLATTEST = 30.0
+"""Largest relative radius in contact, over the pitch radius of the drive gear. [-]"""
+
 _LEAST_RADIUS = 5.8e-3
 """Radius of an edge in contact, over the pitch radius of the drive gear. [-]"""
 
@@ -388,6 +391,14 @@ def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicT
             (side.driven, follows, np.sign(ratio)),
         )
     )
+    if ratio < 0.0:
+        # an edge of the ring counts at the drive gear, so that radii never change their sign, and
+        # a concave flank is flatter than the one in it, but for waves of a drawn outline
+        sharp = side.driven.curvature > 0.2 / edge
+        drive = np.where(sharp, edge, drive)
+        driven = np.where(sharp, -np.maximum(np.abs(follows), edge), driven)
+        flatter = drive / (1.0 - drive / (_FLATTEST * gears.mesh.pitch_radii[0]))
+        driven = np.minimum(driven, -flatter)
     complete = side.weight >= 1.0
     # flanks that do not face one another in the lens are apart
     gap = np.where(complete, side.gap, side.gap[complete].max())

@@ -12,7 +12,10 @@ import pytest
 import toothspace as ts
 from toothspace import api
 from toothspace.core.errors import CaseError
+from toothspace.gearing.helix import halfway_up
+from toothspace.gearing.meshing import displacement
 from toothspace.gearing.spaces import section_areas
+from toothspace.geometry.cad_export import Section, export_section
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.model.description import MachineDescription
 
@@ -68,11 +71,62 @@ def test_volumes_are_those_of_slices_of_one_hand() -> None:
         np.testing.assert_allclose(values, expected, atol=2e-4 * expected.max())
 
 
-def test_helical_teeth_are_generated() -> None:
+def test_spur_teeth_have_no_hand() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))
-    with pytest.raises(CaseError, match="leave this key out with a helix_angle"):
-        ts.load_case(HELICAL, ("machine.pinion.profile=[[0, 0], [1, 0], [0, 1]]",))
+
+
+def drawn(folder: Path, suffix: str) -> ts.Case:
+    """The helical pump with both gears from files, solids that wind or plane outlines."""
+    given = ts.load_case(HELICAL)
+    gears = assemble(given.machine_spec)
+    helix, width = gears.helix, gears.face_width
+    assert helix is not None
+    rim = 0.5 * given.machine_spec.ring.outer_diameter
+    angles = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
+    circle = rim * np.column_stack([np.cos(angles), np.sin(angles)])
+    pinion, ring = (folder / f"{name}.{suffix}" for name in ("pinion", "ring"))
+    export_section(Section(gears.pinion.closed_polygon()), pinion, width, twist=helix.twist)
+    whole = Section(circle, (gears.ring_curve,)) if suffix == "stl" else Section(gears.ring_curve)
+    export_section(whole, ring, width, twist=helix.twist * gears.ratio)
+    halfway = math.degrees(math.atan(helix.turn_per_length * halfway_up(gears.pinion)))
+    left_out = ("module", "pressure_angle", "tooth_count", "tip_diameter", "normal_backlash")
+    keys = {f"machine.pinion.{name}": None for name in left_out}
+    return given.replace({
+        **keys,
+        "machine.pinion.profile": str(pinion),
+        "machine.ring.profile": str(ring),
+        "machine.pinion.center_distance": f"{1e3 * abs(gears.mesh.center_distance):.7f} mm",
+        ANGLE: f"{halfway:.6f} deg",
+    })  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["txt", "stl"])
+def test_gears_from_files_wind_as_those_of_the_parameters(tmp_path: Path, suffix: str) -> None:
+    """The ring of a solid is the body whose bore has the teeth."""
+    pytest.importorskip("trimesh")
+    found, given = (
+        assemble(c.machine_spec) for c in (drawn(tmp_path, suffix), ts.load_case(HELICAL))
+    )
+    assert found.helix is not None
+    assert given.helix is not None
+    assert found.helix.overlap_ratio == pytest.approx(given.helix.overlap_ratio, rel=1e-4)
+    assert displacement(found) == pytest.approx(displacement(given), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_gears_from_files_run_as_those_of_the_parameters(tmp_path: Path) -> None:
+    """Radii of curvature of the drawn ring pass an edge without changing their sign."""
+    found, given = (
+        ts.simulate(c).summary() for c in (drawn(tmp_path, "txt"), ts.load_case(HELICAL))
+    )
+    assert found["status"] == "done"
+    for name, rel in {
+        "mean_flow_L_per_min": 1e-3, "flow_ripple_percent": 0.01, "max_chamber_pressure_bar": 5e-3,
+        "axial_force_N": 2e-3, "torque_loss_mesh_friction_N_m": 0.1,
+    }.items():  # fmt: skip
+        assert found[name] == pytest.approx(given[name], rel=rel), name
 
 
 def test_a_tooth_space_that_joins_both_ports_is_named() -> None:

@@ -34,7 +34,8 @@ from toothspace.gearing.ring_gear import (
     ring_tooth,
 )
 from toothspace.gearing.tooth import tooth_curves
-from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.cad_import import is_solid, load_closed_curves
+from toothspace.geometry.gear_finder import find_gears
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.profile_detection import gear_profile_from_curve
@@ -67,7 +68,8 @@ class CrescentAssembly(MeshedGears):
     @property
     def helix(self) -> Helix | None:
         """How the teeth of both gears wind about their axes; None for spur gears."""
-        return self.spec.pinion.helix(self.face_width)
+        drawn = self.pinion if self.spec.pinion.profile else None
+        return self.spec.pinion.helix(self.face_width, drawn)
 
     @property
     def ratio(self) -> float:
@@ -206,14 +208,27 @@ def _curve_profile(
     unit = to_si(1.0, spec.pinion.profile_unit)
     key = f"machine.{table}.profile"
     modified = file.stat().st_mtime_ns if isinstance(file, Path) else 0
-    return _detected(file, modified, unit, tooth_count, key)
+    return _detected(file, modified, unit, tooth_count, key, is_ring=table == "ring")
 
 
 @lru_cache(maxsize=8)
 def _detected(
-    file: Path | Points, _modified: int, unit: float, tooth_count: int | None, key: str
+    file: Path | Points,
+    _modified: int,
+    unit: float,
+    tooth_count: int | None,
+    key: str,
+    *,
+    is_ring: bool,
 ) -> GearProfile:
     try:
+        if is_solid(file):
+            contents = find_gears(file, unit)
+            found = contents.rings if is_ring else contents.gears
+            if not found:
+                wanted = "a ring with teeth in its bore" if is_ring else "an external gear"
+                raise GeometryError(file, "none", wanted)
+            return found[0].detected.profile
         with reading(file.name, "the closed outline of a gear with equal teeth"):
             curve = load_closed_curves(file, unit)[0]
             return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile

@@ -11,7 +11,6 @@ from toothspace.core.keys import (
     KeyTable,
     choice,
     file_path,
-    forbid,
     integer,
     number,
     quantity,
@@ -49,8 +48,6 @@ class PinionParameters(HelicalGearParameters):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.helix_angle > 0.0:
-            forbid(self, "with a helix_angle (teeth are then generated)", "profile")
         if self.profile is not None:
             require(self, "with a profile file", "center_distance")
 
