@@ -205,7 +205,10 @@ class Marches:
         run, progress = self._run, self._progress
         seats, settled = SeatSearch(machine), False
         while not settled:
-            system = assemble(seats.machine, run.fluid, self._as_loaded())
+            condition, before = run.condition, self.last and self.last.system.condition
+            if self._orifice and before and before.load_node == condition.load_node:
+                condition = replace(condition, load_area=before.load_area)
+            system = assemble(seats.machine, run.fluid, condition)
             last, loaded = self._begin(system)
             if self._orifice:
                 history, told = march_against_orifice(system, self._plan, last, progress, loaded)
@@ -253,14 +256,6 @@ class Marches:
             raise KeyboardInterrupt
         self.last = history if history.status is Status.DONE else None
         return history
-
-    def _as_loaded(self) -> OperatingCondition:
-        """Condition with the area of the load orifice that the last march has found, if it has."""
-        condition = self._run.condition
-        before = None if self.last is None else self.last.system.condition
-        if before is None or not self._orifice or before.load_node != condition.load_node:
-            return condition
-        return replace(condition, load_area=before.load_area)
 
     def _begin(self, system: System) -> tuple[History | None, System | None]:
         """The last march, where a march of a system can begin at its end; the system loaded so."""

@@ -173,9 +173,12 @@ def _dense_values(history: History, close: Look) -> dict[str, Array]:
     tips = _tips(system)
     if tips:
         values["tip_gap_minimum"] = np.array([seen.raw_height[:, at].min() for at in tips.values()])
-    angle, copies = close.history.states[:, 0], close.copies
-    values["dense_angle"] = _repeated(angle, copies, system.description.pitch_angle)
-    values |= {f"dense_{name}": _repeated(waves[name], copies) for name in WAVES if name in waves}
+    waved = {"angle": close.history.states[:, 0]}
+    waved |= {name: waves[name] for name in WAVES if name in waves}
+    if close.copies > 1:
+        steps = {"angle": system.description.pitch_angle}
+        waved = {k: _repeated(v, close.copies, steps.get(k, 0.0)) for k, v in waved.items()}
+    values |= {f"dense_{name}": wave for name, wave in waved.items()}
     volume = seen.volume[:, : system.arrays.size.chambers]
     high = max(float(waves[f"{port}_pressure"].mean()) for port in PORTS)
     power = collapse_power(chambers["chamber_vapour_fraction"], volume, times, high)
@@ -189,10 +192,8 @@ def _of_kind(what: Callable[[Array], Any], values: Array, counts: Sequence[int])
     return np.concatenate([np.full(count, what(own)) for own, count in kinds])
 
 
-def _repeated(wave: Array, copies: int, step: float = 0.0) -> Array:
+def _repeated(wave: Array, copies: int, step: float) -> Array:
     """Wave of a revolution from one of its parts, each a step higher; both ends included."""
-    if copies == 1:
-        return wave
     parts = wave[:-1] + step * np.arange(copies)[:, None]
     return np.append(parts.ravel(), wave[-1] + step * (copies - 1))
 

@@ -94,7 +94,7 @@ def test_keys_of_a_page_make_a_case(page: Path, workplace: Path) -> None:
         (workplace / "cases").glob("*.toml"), key=lambda f: ("base =" in f.read_text(), f)
     )
     for text in (text for kind, text in blocks(page) if kind == "toml"):
-        named = re.findall(r'"([\w/]+\.(?:step|csv|nc|mka|fmu))"', text)
+        named = re.findall(r'"([\w/]+\.(?:step|csv|txt|nc|mka|fmu))"', text)
         for name in named:
             (workplace / "cases" / name).write_text("of a reader\n", encoding="utf-8")
         own = workplace / "cases" / "own.toml"

@@ -416,7 +416,8 @@ class BlockGrooveParameters(ReliefGrooveParameters):
     def __post_init__(self) -> None:
         forbid_solid_keys(self, "contour_body", "contour_part")
         super().__post_init__()
-        self.lagging()
+        if self.lagging_face is not None:
+            self.lagging()
 
     def lagging(self) -> BlockGrooveParameters:
         """Return the grooves of the face at the lagging end.
