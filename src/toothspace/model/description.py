@@ -177,6 +177,8 @@ class LumpedLateralFilm:
     """Change of height at the outer radius over the height at the axis (0 parallel). [-]"""
     face: Lazy[FilmFace] | None = None
     """Gives what stands before its faces, for solving it on a grid, if the machine type can."""
+    lagging_face: Lazy[FilmFace] | None = None
+    """The same of the end that lags, where that differs."""
     drag: float | None = None
     """Torque per viscosity and speed of the body on one face, in place of the closed form. [m3]"""
     asperity_share: float = 0.0

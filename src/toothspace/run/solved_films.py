@@ -5,7 +5,7 @@ Bodies that share covers have films on their faces and round the rim.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -87,27 +87,28 @@ def with_solved_films(
                 found = "'reynolds' for a machine that gives the outline of none of its faces"
                 raise CaseError("run.interfaces.lateral", found, "'closed_form'")
             faces = {
-                film.body: _Face(section, film, known[film.body])
+                film.body: _faces(section, film)
                 for film in description.laterals
                 if film.body in known
             }
+            each = [face for ends in faces.values() for face in ends]
 
             def along(path: FlowPath) -> tuple[FlowPath, ...]:
                 return (path,) if winding is None else winding.along(path)
 
             replaced = {
                 path.name
-                for face in faces.values()
+                for face in each
                 for own in (face.across, face.inwards)
                 for path in along(own)
             }
             kept = [path for path in description.paths if path.name not in replaced]
-            solved = [new for face in faces.values() for own in face.paths() for new in along(own)]
+            solved = [new for face in each for own in face.paths() for new in along(own)]
             description = replace(
                 description,
                 paths=(*kept, *solved),
                 laterals=tuple(
-                    faces[film.body].film() if film.body in faces else film
+                    _dragged(film, faces[film.body]) if film.body in faces else film
                     for film in description.laterals
                 ),
             )
@@ -128,22 +129,17 @@ def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
 
 
 class _Face:
-    """Both faces of one body with their solved conductances, in the section of its middle."""
+    """Faces of one body with their solved conductances, in the section of its middle.
 
-    def __init__(
-        self, section: MachineDescription, film: LumpedLateralFilm, face: FilmFace
-    ) -> None:
-        self.lateral, self.face = film, face
+    Both of them, or that at one end of the teeth: 1 of the one that leads, -1 of the one that lags.
+    """
+
+    def __init__(self, section: MachineDescription, face: FilmFace, end: float = 0.0) -> None:
+        self.face, self._end = face, end
         self.across = _path(section, LATERAL, face.chambers.nodes)
         self.inwards = _path(section, DRAIN, face.chambers.nodes)
         self.height = float(self.inwards.geometry.values[0, 0])
         self.solved = face_conductance(face, _RESOLUTION)
-
-    def film(self) -> LumpedLateralFilm:
-        """Film with the solved torque; a tilt shears as in the closed form."""
-        closed = replace(self.lateral, tilt=0.0)
-        tilted = lateral_face_torque(self.lateral) / lateral_face_torque(closed)
-        return replace(self.lateral, drag=self.solved.drag[0] / self.lateral.height * tilted)
 
     def paths(self) -> list[FlowPath]:
         """Paths between chambers, from them to recesses and shaft, and from those to the shaft."""
@@ -186,12 +182,34 @@ class _Face:
                 geometry=gap_table(self.height, over_pitches),
             )
             found += [from_spaces, to_shaft]
-        return found
+        if self._end == 0.0:
+            return found
+        which = "leading" if self._end > 0.0 else "lagging"
+        return [
+            replace(own, name=f"{own.name}_{which}", end=self._end, multiplicity=1.0)
+            for own in found
+        ]
 
     def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
         """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
         values = -self.solved.matrix[:, first, second]
         return over_turn(values, path.phases, self.solved.turn)
+
+
+def _faces(section: MachineDescription, film: LumpedLateralFilm) -> tuple[_Face, ...]:
+    """Faces of a body together, or each where they differ."""
+    assert film.face is not None
+    if film.lagging_face is None:
+        return (_Face(section, film.face.value),)
+    ends = (film.face, 1.0), (film.lagging_face, -1.0)
+    return tuple(_Face(section, face.value, end) for face, end in ends)
+
+
+def _dragged(film: LumpedLateralFilm, faces: Sequence[_Face]) -> LumpedLateralFilm:
+    """Film with the solved torque; a tilt shears as in the closed form."""
+    tilted = lateral_face_torque(film) / lateral_face_torque(replace(film, tilt=0.0))
+    drag = sum(face.solved.drag[0] for face in faces) / len(faces)
+    return replace(film, drag=drag / film.height * tilted)
 
 
 def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:

@@ -11,9 +11,12 @@ import pytest
 import toothspace as ts
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
+from toothspace.films.plane.conductance import FaceResolution
 from toothspace.geometry.curve import turned
 from toothspace.machines.external_gear.describe import describe
 from toothspace.model.description import MachineDescription
+from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.run.solved_films import with_solved_films
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 GROOVES = "machine.relief_grooves."
@@ -80,6 +83,71 @@ def test_equal_faces_are_those_without_the_table() -> None:
     for gear in ("drive", "driven"):
         first, second = (opening(machine, gear, "outlet") for machine in (one, two))
         np.testing.assert_allclose(second, first, atol=2e-3 * first.max())
+
+
+LEADING = {f"{GROOVES}closing_side_offset": "2.21 mm", f"{GROOVES}opening_side_offset": "4.39 mm"}
+LAGGING = {"closing_side_offset": "4.39 mm", "opening_side_offset": "2.21 mm"}
+
+
+def conductances(machine: MachineDescription) -> dict[tuple[int, int], Array]:
+    """Cube of the height times width over length of all face paths between two nodes. [m3]."""
+    found: dict[tuple[int, int], Array] = {}
+    for path in machine.paths:
+        if path.category in LATERAL_PATHS:
+            height, width, length = np.moveaxis(
+                path.geometry(path.phases + path.angle_ratio * ANGLES[:, None]), -1, 0
+            )[:3]
+            leaks = path.multiplicity * height**3 * width / length
+            pairs = np.broadcast(path.nodes_a, path.nodes_b)
+            for column, (a, b) in zip(leaks.T, pairs, strict=True):
+                pair = min(a, b), max(a, b)
+                found[pair] = found.get(pair, 0.0) + column
+    return found
+
+
+def test_solved_films_meet_the_grooves_of_their_face(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Films beside equal faces leak as those of both together; the faces swapped, they swap."""
+    coarse = FaceResolution(rows=24, lanes=16, angles=3)
+    monkeypatch.setattr("toothspace.run.solved_films._RESOLUTION", coarse)
+    case = ts.load_case(CASES / "helical_pump.toml").replace(
+        {"machine.gears.helix_angle": "3 deg", **LEADING}
+    )
+    same = {key.removeprefix(GROOVES): value for key, value in LEADING.items()}
+    swapped = {GROOVES + key: value for key, value in LAGGING.items()}
+    both, ends, own, other = (
+        with_solved_films(
+            describe(case.replace(keys).machine_spec, 240),
+            models={"lateral": "reynolds", "journal": "closed_form"},
+        )
+        for keys in (
+            {},
+            {GROOVES + "lagging_face": same | {"depth": "1.99 mm"}},
+            {GROOVES + "lagging_face": LAGGING},
+            swapped | {GROOVES + "lagging_face": same},
+        )
+    )
+    together, apart = conductances(both), conductances(ends)
+    assert together.keys() == apart.keys()
+    most = max(leak.max() for leak in together.values())
+    for pair, leak in together.items():
+        assert apart[pair].mean() == pytest.approx(leak.mean(), rel=3e-2, abs=3e-3 * most)
+    first, second = ({p.name: p.geometry.values for p in m.paths} for m in (own, other))
+    names = [name for name in first if name.endswith("_leading") and "recess" in name]
+    assert names
+    for name in names:
+        lagging = name.replace("_leading", "_lagging")
+        np.testing.assert_array_equal(first[name], second[lagging])
+        assert not np.array_equal(first[name], first[lagging])
+
+
+def test_films_of_a_floating_bearing_meet_the_grooves_of_their_end() -> None:
+    case = ts.load_case(CASES / "helical_thrust.toml").replace({GROOVES + "lagging_face": LAGGING})
+    spec = case.machine_spec
+    floating = describe(spec, 240).floating
+    assert floating is not None
+    for interface in floating.value.interfaces:
+        wanted = spec.grooves if interface.lead > 0.0 else spec.lagging_grooves
+        assert interface.face.face_map.assembly.spec.grooves is wanted
 
 
 @pytest.mark.slow

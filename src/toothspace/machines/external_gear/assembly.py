@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -46,6 +46,12 @@ class Assembly(meshing.MeshedGears):
     def flanks_in_turn(self) -> bool:
         """Whether both flanks of a tooth touch in turn, as in gears of continuous contact."""
         return self.spec.keys.gears.is_continuous
+
+    @property
+    def at_lagging_end(self) -> Assembly | None:
+        """Same gears with the relief grooves of the end that lags, where these differ."""
+        own = self.spec.lagging_grooves
+        return None if own is None else replace(self, spec=replace(self.spec, grooves=own))
 
     @property
     def exact_path(self) -> tuple[float, float] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -55,10 +55,10 @@ def flow_paths(
             own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
         )
         paths.extend(own.port_openings((casing.inlet_angle, casing.outlet_angle)))
-        if spec.lagging_grooves is None:
+        lagging = assembly.at_lagging_end
+        if lagging is None:
             paths.extend(own.openings("groove", grooves_by_port(assembly, spaces[gear])))
         else:
-            lagging = replace(assembly, spec=replace(spec, grooves=spec.lagging_grooves))
             for end, face in ((1.0, assembly), (-1.0, lagging)):
                 paths.extend(own.openings("groove", grooves_by_port(face, spaces[gear]), end))
         paths.append(own.lateral(lateral.leakage_height, profile.tooth_space_area))

@@ -146,6 +146,10 @@ def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLater
     """Films on the faces of both gears; the height shears like both gaps together."""
     lateral = assembly.spec.keys.lateral
     height = lateral.shear_height
+
+    def face(end: Assembly | None, gear: int) -> Lazy[FilmFace] | None:
+        return end and Lazy(partial(film_face, FaceOfGear(end, numbering, gear), height))
+
     return tuple(
         LumpedLateralFilm(
             body=name,
@@ -156,7 +160,8 @@ def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLater
             outer_radius=profile.tip_radius,
             tooth_area_fraction=tooth_fraction(profile),
             tilt=lateral.tilt,
-            face=Lazy(partial(film_face, FaceOfGear(assembly, numbering, gear), height)),
+            face=face(assembly, gear),
+            lagging_face=face(assembly.at_lagging_end, gear),
         )
         for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
     )

@@ -82,7 +82,7 @@ def lateral_balance(
     high = _high_pressure(assembly, block, face)
     if high is None:
         high = _behind_a_chord(face, block.high_pressure)
-    gears = FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
+    gears = _gears(assembly, numbering)
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
     return LateralBalance(
         arrangement=cast(Any, block.arrangement),
@@ -90,7 +90,7 @@ def lateral_balance(
         interfaces=tuple(
             _interface(assembly, face, side, (k + 1) * (numbering.drain + 1) if parted else 0)
             for k, side in enumerate(_SIDES)
-            for face in gears
+            for face in _gears(assembly, numbering, k)
         ),
         floating=_floating(assembly, block),
         high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
@@ -107,6 +107,16 @@ def lateral_balance(
         ),
         shaft_stiffness=block.keys.shaft_stiffness,
     )
+
+
+def _gears(
+    assembly: Assembly, numbering: Numbering, side: int | None = None
+) -> tuple[FaceOfGear, FaceOfGear]:
+    """Faces of both gears at one side, with the relief grooves of that end."""
+    spec, lagging = assembly.spec, assembly.at_lagging_end
+    if side is not None and lagging is not None and spec.helix and spec.helix.leads[side] < 0.0:
+        assembly = lagging
+    return FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
 
 
 def _behind_a_chord(face: Any, patch: Patch) -> Any:
