@@ -82,15 +82,10 @@ def with_solved_films(
         else:
             winding = description.winding
             section = description if winding is None else winding.section
-            known = section.known_faces
-            if not known:
+            if not section.known_faces:
                 found = "'reynolds' for a machine that gives the outline of none of its faces"
                 raise CaseError("run.interfaces.lateral", found, "'closed_form'")
-            faces = {
-                film.body: _faces(section, film)
-                for film in description.laterals
-                if film.body in known
-            }
+            faces = {film.body: _faces(section, film) for film in section.laterals if film.face}
             each = [face for ends in faces.values() for face in ends]
 
             def along(path: FlowPath) -> tuple[FlowPath, ...]:
