@@ -416,7 +416,7 @@ def test_a_click_in_the_map_opens_that_point(page: Any) -> None:
     canvas.scroll_into_view_if_needed()
     box, former = canvas.bounding_box(), page.evaluate("bench.design.id")
     page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.25 * box["height"])
-    until(page, "document.querySelector('.view[data-view=map] output').innerText.includes('2000')")
+    assert "2000" in page.locator(".view[data-view=map] output").inner_text()
     page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + 0.25 * box["height"])
     until(page, f"bench.design && bench.design.id !== '{former}'")
     point = page.evaluate("bench.design.tables.operating_point")
