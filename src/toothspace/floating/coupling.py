@@ -423,12 +423,9 @@ class _LeakageSearch:
         """Equilibrium at the pressures of the run; sets how the paths leak in the next one."""
         start = self._asked.start
         begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
-        if self._rest is None:
-            found = settle_bearing(problem, begun)
-        else:
-            last = self._rest
-            found = settle_bearing(problem, begun, last.temperatures, last.equilibrium)
-        self._rest = found
+        last = self._rest
+        known = (None, None) if last is None else (last.temperatures, last.equilibrium)
+        found = self._rest = settle_bearing(problem, begun, *known)
         if leakage <= 0.0 or found.numbers.leakage <= 0.0:
             return found
         # friction holds a bearing that did not move: its leakage then says nothing of its balance

@@ -150,6 +150,14 @@ def test_films_of_a_floating_bearing_meet_the_grooves_of_their_end() -> None:
         assert interface.face.face_map.assembly.spec.grooves is wanted
 
 
+def test_equal_sides_share_their_faces() -> None:
+    """One mask of tooth spaces and grooves then serves the films on both sides of a gear."""
+    for name in ("hysteresis_055", "helical_thrust"):
+        floating = describe(ts.load_case(CASES / f"{name}.toml").machine_spec, 240).floating
+        assert floating is not None
+        assert len({interface.face.face_map for interface in floating.value.interfaces}) == 2
+
+
 @pytest.mark.slow
 def test_slices_and_continuous_contact_have_a_groove_at_each_end() -> None:
     """The balances close, and both ends see their own groove."""

@@ -424,8 +424,7 @@ class BlockGrooveParameters(ReliefGrooveParameters):
 
         Raises CaseError if they are impossible, or the contour hides what differs.
         """
-        if self.lagging_face is None:
-            return self
+        assert self.lagging_face is not None
         given = self.lagging_face.given
         if self.contour is not None and "contour" not in given:
             found = f"{next(iter(given), 'nothing')} beside the contour of the other face"

@@ -82,7 +82,10 @@ def lateral_balance(
     high = _high_pressure(assembly, block, face)
     if high is None:
         high = _behind_a_chord(face, block.high_pressure)
-    gears = _gears(assembly, numbering)
+    gears, lagging = _gears(assembly, numbering), assembly.at_lagging_end
+    # equal faces are one object, whose masks serve both sides
+    leads = (0.0, 0.0) if spec.helix is None else spec.helix.leads
+    sides = [gears if lagging is None or x > 0.0 else _gears(lagging, numbering) for x in leads]
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
     return LateralBalance(
         arrangement=cast(Any, block.arrangement),
@@ -90,7 +93,7 @@ def lateral_balance(
         interfaces=tuple(
             _interface(assembly, face, side, (k + 1) * (numbering.drain + 1) if parted else 0)
             for k, side in enumerate(_SIDES)
-            for face in _gears(assembly, numbering, k)
+            for face in sides[k]
         ),
         floating=_floating(assembly, block),
         high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
@@ -109,13 +112,8 @@ def lateral_balance(
     )
 
 
-def _gears(
-    assembly: Assembly, numbering: Numbering, side: int | None = None
-) -> tuple[FaceOfGear, FaceOfGear]:
-    """Faces of both gears at one side, with the relief grooves of that end."""
-    spec, lagging = assembly.spec, assembly.at_lagging_end
-    if side is not None and lagging is not None and spec.helix and spec.helix.leads[side] < 0.0:
-        assembly = lagging
+def _gears(assembly: Assembly, numbering: Numbering) -> tuple[FaceOfGear, FaceOfGear]:
+    """Faces of both gears."""
     return FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
 
 
