@@ -25,6 +25,7 @@ from toothspace.plotting.section import (
     housing_region,
     port_region,
     recess_outlines,
+    section_at,
     top_of_scale,
     turned_section,
 )
@@ -371,16 +372,17 @@ def _section(
     data = solution.data.isel({solution.data["chamber_pressure"].dims[0]: sample})
     shaft_angle = float(data["shaft_angle"])
     pressure = np.asarray(data["chamber_pressure"]) / _BAR
-    labels = description.chamber_labels
+    # of teeth that wind, the section in the middle of their width
+    cut = section_at(description, shaft_angle, 0.0)
     areas = []
     for port in ("inlet", "outlet"):
         value = float(data[f"{port}_pressure"]) / _BAR
         text = f"{port}: {value:.1f} bar"
         areas.append(_area(port_region(description, port), _colour(value / top), text))
-    cells = fluid_cells(description, shaft_angle)
-    for region, one, label in zip(cells, pressure, labels, strict=False):
+    for region, chamber in zip(fluid_cells(cut.drawn, cut.shaft_angle), cut.chambers, strict=False):
+        one, label = float(pressure[chamber]), description.chamber_labels[chamber]
         text = f"{label.replace('_', ' ')}: {one:.1f} bar"
-        areas.append(_area(region, _colour(float(one) / top), text))
+        areas.append(_area(region, _colour(one / top), text))
     for body in description.bodies:
         solid = turned_section(description, body, shaft_angle)
         areas.append(_area(solid, METAL, body.name.replace("_", " "), edge=INK))

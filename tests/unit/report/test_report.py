@@ -13,12 +13,12 @@ import pytest
 
 from tests.fake_solution import fake_description, fake_solution
 from toothspace.advice.findings import findings_of, limits_of, verdict
-from toothspace.api import describe, load_case, machine_of
+from toothspace.api import describe, load_case, machine_of, simulate
 from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import html, report_html, write_report
-from toothspace.report.html import document_lines, report_contents
+from toothspace.report.html import document_lines, report_contents, turning_section
 from toothspace.report.page import format_value, quantity
 from toothspace.results.credibility import with_warnings
 from toothspace.results.ledger import Ledger, loss_causes, power_ledger
@@ -156,6 +156,19 @@ def test_machine_turns_over_one_pitch(page: str) -> None:
 
 
 @pytest.mark.usefixtures("few_figures")
+@pytest.mark.parametrize("name", ["continuous_pump", "helical_slices"])
+def test_teeth_that_wind_in_parts_turn_in_their_middle(repository: Path, name: str) -> None:
+    """Every space of the section has the pressure of the chamber that stands there."""
+    ideal = {"run.fidelity": "ideal", "run.samples_per_revolution": 36, "heat": None}
+    solution = simulate(load_case(repository / "cases" / f"{name}.toml").replace(ideal))
+    description = solution.description
+    assert description is not None
+    assert description.winding is not None
+    page = turning_section(solution, description)
+    spaces = description.winding.section.chamber_count
+    assert page.count(" bar</title>") == page.count("inlet: ") * (spaces + 2) > 0
+
+
 def test_report_without_machine_and_after_reading_back(tmp_path: Path) -> None:
     solution = load_solution(fake_solution().save(tmp_path / "result.nc"))
     path = write_report(solution, tmp_path / "out" / "report.html")
