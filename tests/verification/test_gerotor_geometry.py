@@ -116,7 +116,7 @@ def test_areas_equal_those_of_polygons(design):
     """Contact-radii integral against the polygon between two throats, every fifth of a pitch."""
     pocket = _pockets(replace(design, tip_clearance=0.0))
     for node in range(0, pocket.place.size, 20):
-        polygon = shapely.Polygon(PocketPolygons(pocket)(node))
+        polygon = shapely.Polygon(PocketPolygons(pocket)(np.array([node]))[0])
         assert pocket.area[node] == pytest.approx(polygon.area, abs=1e-9)
 
 
@@ -373,7 +373,9 @@ def test_layers_of_clearance_pass_the_throats_as_walls_drag(design):
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (into[1:] + into[:-1]))])
     brought = summed * pocket.place[1] / pocket.angle_ratio
     nodes = np.arange(0, pocket.place.size, 14)
-    walls = np.array([shapely.Polygon(PocketPolygons(pocket)(n)).area for n in nodes])
+    walls = shapely.area(
+        [shapely.Polygon(one) for one in PocketPolygons(pocket)(np.asarray(nodes))]
+    )
     layers = walls - pocket.area[nodes]
     found, expected = layers - layers[25], (brought - brought[350])[nodes]
     assert np.ptp(expected) > 0.2e-6

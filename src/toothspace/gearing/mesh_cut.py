@@ -16,6 +16,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.recall import recalled
 from toothspace.core.types import Array, IntArray
 from toothspace.gearing.helix import Helix
 from toothspace.gearing.numbering import FULL_TURN
@@ -30,6 +31,8 @@ _REST = 0.01
 """Least volume of a chamber over its largest: what waits between two fillings. [-]"""
 _BREATHER = 0.02
 """Opening to the inlet between two fillings over the face width times that width. [-]"""
+_KEPT = 64
+"""Paths along teeth that are remembered: a design is looked at again and again."""
 
 
 @final
@@ -222,8 +225,13 @@ class AlongTeeth:
 
     def __call__(self, path: FlowPath) -> tuple[FlowPath, ...]:
         """Paths along the helix."""
-        parts = [path] if self.cut is None else self.cut.paths(path)
-        return tuple(self.helix.path(part) for part in parts)
+        return _wound(self.helix, self.cut, path)
+
+
+@recalled(_KEPT)
+def _wound(helix: Helix, cut: CutSpaces | None, path: FlowPath) -> tuple[FlowPath, ...]:
+    parts = [path] if cut is None else cut.paths(path)
+    return tuple(helix.path(part) for part in parts)
 
 
 def _constant(table: PeriodicTable, rows: int) -> PeriodicTable:

@@ -335,7 +335,8 @@ def enclosed(outlines: Sequence[Array]) -> Any:
     """
     import shapely
 
-    shapes = np.array([shapely.Polygon(outline) for outline in outlines], dtype=object)
+    owner = np.repeat(np.arange(len(outlines)), [len(outline) for outline in outlines])
+    shapes = shapely.polygons(shapely.linearrings(np.concatenate(outlines), indices=owner))
     crossed = np.flatnonzero(~shapely.is_valid(shapes))
     given, shapes[crossed] = shapes[crossed], shapely.buffer(shapes[crossed], 0.0)
     # where points coincide but for rounding, the buffer may leave nothing

@@ -27,6 +27,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.files import draft_of
 from toothspace.core.recall import recalled
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.geometry.contour import beside_of, nearest_places, seen_from
 from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.profiles import Rotors
 
@@ -52,7 +53,6 @@ COLUMNS = (
 _OUTER_SAMPLES = 260
 _BESIDE = 2
 """Places on either side of one that are looked at with it; five divide the samples of a lobe."""
-_BISECTIONS = 26
 _LOST_NODES = 3
 _FARTHEST, _SEARCHED = 0.24, 0.32
 """Step of a closest place, and gap that is looked at, over the eccentricity. [-]"""
@@ -309,27 +309,8 @@ def distance_to_inner(rotors: Rotors, angle: Array, place: Array) -> tuple[Array
     gap : ndarray
         Distance, negative within the inner rotor. [m]
     """
-    return _gap_to_inner(rotors, seen_from_inner(rotors, angle, place))
-
-
-def _gap_to_inner(rotors: Rotors, seen: Array) -> tuple[Array, Array]:
-    """Nearest places on the inner rotor and distances of points in its turning frame. [m]."""
-    inner = rotors.inner_curve.nearest(seen)
-    tangent = rotors.inner_curve.tangent(inner)
-    offset = seen - rotors.inner_curve.point(inner)
-    outside = offset[..., 0] * tangent[..., 1] - offset[..., 1] * tangent[..., 0]
-    return inner, np.copysign(np.hypot(offset[..., 0], offset[..., 1]), outside)
-
-
-def seen_from_inner(rotors: Rotors, angle: Array, place: Array) -> Array:
-    """Places on the outer outline as points in the turning frame of the inner rotor. [m]."""
-    return _turned_to_inner(rotors, angle, rotors.outer_curve.point(place))
-
-
-def _turned_to_inner(rotors: Rotors, angle: Array, points: Array) -> Array:
-    """Points of the outer rotor in the turning frame of the inner one. [m]."""
-    seen = turned(points, angle) - rotors.inner_center
-    return turned(seen, -rotors.turns * angle)
+    seen = seen_from(rotors.turning, angle, rotors.outer_curve.point(place))
+    return rotors.inner_curve.nearest(seen)
 
 
 def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
@@ -338,16 +319,14 @@ def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
     step = rotors.outer_curve.length / count
     angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
     place = np.asarray(step * np.arange(count), dtype=float)
-    seen = _turned_to_inner(rotors, angle[:, None], rotors.outer_curve.point(place))
-    searched = _SEARCHED * rotors.eccentricity
+    seen = seen_from(rotors.turning, angle[:, None], rotors.outer_curve.point(place))
+    curve, every = rotors.inner_curve, 2 * _BESIDE + 1
     # where the middle of a few neighbours is too far away, none of them is near
-    around = rotors.inner_curve.within(
-        seen[:, _BESIDE :: 2 * _BESIDE + 1], searched + _BESIDE * step
+    reach_of_middle = _SEARCHED * rotors.eccentricity + _BESIDE * step
+    samples = curve.near_samples(seen[:, _BESIDE::every], reach_of_middle)
+    _, gap = curve.nearest_from(
+        seen, np.repeat(samples, every, axis=1), beside_of(curve, _BESIDE * step)
     )
-    near = np.repeat(around, 2 * _BESIDE + 1, axis=1)
-    near[near] = rotors.inner_curve.within(seen[near], searched)
-    gap = np.full(near.shape, np.inf)
-    _, gap[near] = _gap_to_inner(rotors, seen[near])
     least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
     node, column = np.nonzero(least)
     outer = nearest_place(rotors, angle[node], np.asarray(column * step), step)
@@ -356,9 +335,7 @@ def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
 
 
 def nearest_place(rotors: Rotors, angle: Array, place: Array, step: float) -> Array:
-    """Place on the outer outline where the distance is least.
-
-    Arc lengths on the outer outline, found by halving on the sign of the slope. [m]
+    """Arc lengths on the outer outline where the distance is least, within a step [m].
 
     Parameters
     ----------
@@ -367,16 +344,8 @@ def nearest_place(rotors: Rotors, angle: Array, place: Array, step: float) -> Ar
     step : float
         The least distance is looked for within one step on either side. [m]
     """
-    low, high = place - step, place + step
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        inner, _ = distance_to_inner(rotors, angle, middle)
-        tangent = turned(rotors.inner_curve.tangent(inner), (rotors.turns - 1.0) * angle)
-        along = rotors.outer_curve.tangent(middle)
-        rising = along[..., 0] * tangent[..., 1] - along[..., 1] * tangent[..., 0] > 0.0
-        high = np.where(rising, middle, high)
-        low = np.where(rising, low, middle)
-    return np.asarray(0.5 * (low + high), dtype=float)
+    outer, inner = rotors.outer_curve, rotors.inner_curve
+    return nearest_places(outer, inner, rotors.turning, angle, place, step)
 
 
 def linked(rotors: Rotors, closest: ClosestPoints, nodes: int) -> IntArray:

@@ -202,7 +202,7 @@ def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> Lobe
     curve = rotors.outer_curve
     step = curve.length / (rotors.outer_tooth_count * _LOBE_SAMPLES)
     points = np.asarray(curve.tree.data)
-    cavity = float(curve.nearest(points[[np.argmin(points[:, 1])]])[0])
+    cavity = float(curve.nearest(points[[np.argmin(points[:, 1])]])[0][0])
     over_lobe = cavity + step * (np.arange(_LOBE_SAMPLES) + 0.5)
     concave = np.flatnonzero(curve.curvature(np.asarray(over_lobe, dtype=float)) >= 0.0)
     middle = _LOBE_SAMPLES // 2

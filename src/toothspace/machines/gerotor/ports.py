@@ -10,9 +10,9 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.recall import recalled
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.geometry.cad_import import load_polygons
-from toothspace.geometry.curve import enclosed, polar, turned
+from toothspace.geometry.curve import enclosed, polar
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 
@@ -180,9 +180,8 @@ class PocketOutlines:
         """Outlines at a shaft angle [rad], pockets, then the film. [m]."""
         size, count = self.pocket.place.size, self.pocket.rotors.outer_tooth_count
         turned_by = size * self.pocket.angle_ratio * shaft_angle / FULL_TURN
-        nodes = turned_by + size / count * np.arange(count)
-        polygons = PocketPolygons(self.pocket)
-        return [*(polygons(float(node)) for node in nodes), self.film]
+        nodes = np.asarray(turned_by + size / count * np.arange(count), dtype=float)
+        return [*PocketPolygons(self.pocket)(nodes), self.film]
 
 
 @final
@@ -200,37 +199,53 @@ class PocketPolygons:
         rotors = pocket.rotors
         self._inner, self._outer = _Arc(rotors.inner), _Arc(rotors.outer)
 
-    def __call__(self, node: float) -> Array:
-        """Closed polygon in the machine frame, shape (n, 2). [m].
+    def __call__(self, nodes: Array) -> list[Array]:
+        """Closed polygons in the machine frame, each of shape (n, 2). [m].
 
         Parameters
         ----------
-        node : float
-            Number of the node; throats between two nodes are interpolated. [-]
+        nodes : ndarray
+            Numbers of the nodes; throats between two of them are interpolated. [-]
         """
         pocket = self._pocket
-        rotors, size = pocket.rotors, pocket.place.size
-        turn, ends = FULL_TURN * node / size, []
-        for beside in (node - pocket.half_pitch_nodes, node + pocket.half_pitch_nodes):
-            first = int(np.floor(beside))
-            share = beside - first
-            gap, normal, point = (
-                (1.0 - share) * values[first % size] + share * values[(first + 1) % size]
-                for values in (pocket.path.gap, pocket.path.normal, pocket.path.point)
-            )
-            ends.append((point - 0.5 * gap * normal, point + 0.5 * gap * normal))
+        rotors, half = pocket.rotors, pocket.half_pitch_nodes
+        turn = FULL_TURN * nodes / pocket.place.size
         inner_turn = turn * rotors.outer_tooth_count / rotors.inner_tooth_count
+        behind, ahead = self._walls(nodes - half), self._walls(nodes + half)
+        upper, uppers = self._outer.between(turn, behind[1], ahead[1])
         center = rotors.inner_center
-        upper = self._outer.between(turn, ends[0][1], ends[1][1])
-        lower = self._inner.between(inner_turn, ends[0][0] - center, ends[1][0] - center) + center
-        return np.vstack([ends[0][1], upper, ends[1][1], ends[1][0], lower[::-1], ends[0][0]])
+        lower, lowers = self._inner.between(inner_turn, behind[0] - center, ahead[0] - center)
+        # from the throat behind along the outer rotor to the one ahead, and back along the inner
+        ends = np.cumsum(uppers + lowers + 4)
+        points, starts = np.empty((int(ends[-1]), 2)), ends - uppers - lowers - 4
+        points[starts], points[starts + uppers + 1] = behind[1], ahead[1]
+        points[starts + uppers + 2], points[ends - 1] = ahead[0], behind[0]
+        points[np.repeat(starts + 1, uppers) + _counted(uppers)] = upper
+        points[np.repeat(ends - 2, lowers) - _counted(lowers)] = lower + center
+        return np.split(points, ends[:-1])
+
+    def _walls(self, nodes: Array) -> tuple[Array, Array]:
+        """Walls of the inner and the outer rotor beside the throats at nodes. Shape (n, 2). [m]."""
+        path, size = self._pocket.path, self._pocket.place.size
+        first = np.floor(nodes).astype(np.int64)
+        share = (nodes - first)[:, None]
+        gap, normal, point = (
+            (1.0 - share) * values[first % size] + share * values[(first + 1) % size]
+            for values in (path.gap[:, None], path.normal, path.point)
+        )
+        return point - 0.5 * gap * normal, point + 0.5 * gap * normal
 
 
 @recalled(2, _shape)
 def _enclosed_pockets(pocket: Pockets) -> Any:
     """Areas of a pocket at all its places."""
-    polygons = PocketPolygons(pocket)
-    return enclosed([polygons(node) for node in range(pocket.place.size)])
+    return enclosed(PocketPolygons(pocket)(np.arange(pocket.place.size, dtype=float)))
+
+
+def _counted(sizes: IntArray) -> IntArray:
+    """Numbers from nought within groups of such sizes, one group after the other."""
+    ends = np.cumsum(sizes)
+    return np.arange(ends[-1]) - np.repeat(ends - sizes, sizes)
 
 
 @final
@@ -244,13 +259,32 @@ class _Arc:
         self._angle = np.concatenate([angle[order], angle[order] + FULL_TURN])
         self._points = np.vstack([points[order], points[order]])
 
-    def between(self, turn: float, first: Array, last: Array) -> Array:
-        """Points of the curve turned by an angle [rad] between two points, counter-clockwise."""
-        start, end = (float(np.arctan2(y, x)) - turn for x, y in (first, last))
+    def between(self, turn: Array, first: Array, last: Array) -> tuple[Array, IntArray]:
+        """Points of the curve turned by angles between two points, counter-clockwise.
+
+        Parameters
+        ----------
+        turn : ndarray, shape (n,)
+            Angles. [rad]
+        first, last : ndarray, shape (n, 2)
+            Points where each piece begins and ends. [m]
+
+        Returns
+        -------
+        points : ndarray, shape (points, 2)
+            Those of all pieces, one after the other. [m]
+        sizes : ndarray of int, shape (n,)
+            Number of points of each piece.
+        """
+        start, end = (np.arctan2(y, x) - turn for x, y in (first.T, last.T))
         start = start % FULL_TURN
         end = start + (end - start) % FULL_TURN
         low, high = np.searchsorted(self._angle, start, "right"), np.searchsorted(self._angle, end)
-        return turned(self._points[low:high], turn)
+        sizes = np.maximum(high - low, 0)
+        points = self._points[np.repeat(low, sizes) + _counted(sizes)]
+        cosine, sine = np.repeat(np.cos(turn), sizes), np.repeat(np.sin(turn), sizes)
+        x, y = points.T
+        return np.column_stack([cosine * x - sine * y, sine * x + cosine * y]), sizes
 
 
 @final

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NoReturn, final
+from typing import NoReturn, final
 
 import numpy as np
-import scipy
 import shapely
 
 from toothspace.core.errors import CaseError, GeometryError
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array
 from toothspace.core.units import to_si
+from toothspace.geometry.contour import Contour, Turning, contour
 from toothspace.geometry.curve import counter_clockwise, without_repeats
 from toothspace.machines.gerotor.rotor_files import (
     DrawnRotor,
@@ -27,11 +27,6 @@ from toothspace.machines.gerotor.rotor_files import (
     rotor_pair,
 )
 
-_CONTOUR_SAMPLES = 12_000
-_NEWTON_STEPS = 5
-_SAME_PLACE = 1e-13
-"""Step of the search for the nearest point that ends it, over the length of the outline. [-]"""
-_CURVATURE_REACH = 60e-6
 _SAMPLES = 2000
 _LEAST_LOBE = 1.05
 POINTS_PER_TOOTH = 480
@@ -41,81 +36,6 @@ _FEWEST_EDGES = 16
 _POINTS_FOR_PHASE = 2000
 _LEAST_OF_RIM = 0.5
 """Of the outside diameter of an outer rotor: the width across its lobes is more. [-]"""
-
-
-@final
-@dataclass(frozen=True)
-class Contour:
-    """Closed outline, counter-clockwise, with the search for its nearest point."""
-
-    length: float
-    """Length of the whole outline. [m]"""
-    spline: Any
-    """Points over the arc length. A ``CubicSpline``. [m]"""
-    tree: Any
-    """Search tree of points at equal steps of arc length. A ``cKDTree``."""
-
-    def point(self, place: Array) -> Array:
-        """Points at arc lengths, shape ``place.shape + (2,)``. [m]."""
-        return np.asarray(self.spline(np.mod(place, self.length)), dtype=float)
-
-    def tangent(self, place: Array) -> Array:
-        """Unit tangents at arc lengths, counter-clockwise. [-]."""
-        slope = np.asarray(self.spline(np.mod(place, self.length), 1), dtype=float)
-        return np.asarray(slope / np.hypot(slope[..., 0], slope[..., 1])[..., None], dtype=float)
-
-    def curvature(self, place: Array) -> Array:
-        """Curvature of the circle through three points 60 um apart; convex positive. [1/m]."""
-        before, at, after = (
-            self.point(place + step) for step in (-_CURVATURE_REACH, 0.0, _CURVATURE_REACH)
-        )
-        a, b, c = at - before, after - at, after - before
-        area = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-        size = (np.hypot(v[..., 0], v[..., 1]) for v in (a, b, c))
-        return np.asarray(2.0 * area / np.prod(list(size), axis=0), dtype=float)
-
-    def within(self, points: Array, reach: float) -> BoolArray:
-        """Which points lie within a distance of the outline."""
-        distance, _ = self.tree.query(points, distance_upper_bound=reach)
-        return np.asarray(np.isfinite(distance))
-
-    def nearest(self, points: Array) -> Array:
-        """Arc lengths of the nearest points of the outline. [m]."""
-        _, index = self.tree.query(points)
-        step = self.length / _CONTOUR_SAMPLES
-        start = index * step
-        place = start
-        for _ in range(_NEWTON_STEPS):
-            before, wrapped = place, np.mod(place, self.length)
-            offset = self.spline(wrapped) - points
-            first, second = self.spline(wrapped, 1), self.spline(wrapped, 2)
-            slope = np.sum(first * first + offset * second, axis=-1)
-            slope = np.where(slope > 0.1, slope, 1.0)
-            place = place - np.sum(offset * first, axis=-1) / slope
-            moved = np.clip(place, start - 2.0 * step, start + 2.0 * step)
-            place, change = moved, np.abs(moved - before).max(initial=0.0)
-            if change < _SAME_PLACE * self.length:
-                break
-        return np.asarray(place, dtype=float)
-
-
-def contour(points: Array) -> Contour:
-    """Curve through the points of a closed outline.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 2)
-        Points in counter-clockwise order; the last one may repeat the first. [m]
-    """
-    closed = np.vstack([points, points[:1]])
-    steps = np.hypot(*np.diff(closed, axis=0).T)
-    closed = np.vstack([points[:1], closed[1:][steps > 1e-9]])
-    closed[-1] = closed[0]
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-    spline = scipy.interpolate.CubicSpline(along, closed, bc_type="periodic")
-    length = float(along[-1])
-    places = np.arange(_CONTOUR_SAMPLES) * (length / _CONTOUR_SAMPLES)
-    return Contour(length, spline, scipy.spatial.cKDTree(spline(places)))
 
 
 @final
@@ -342,6 +262,11 @@ class Rotors:
     def outer_curve(self) -> Contour:
         """Outline of the outer rotor over its arc length."""
         return contour(self.outer)
+
+    @property
+    def turning(self) -> Turning:
+        """How the inner rotor turns about its centre while the outer one turns."""
+        return Turning(0.0, -self.eccentricity, self.turns)
 
     @property
     def inner_center(self) -> Array:
