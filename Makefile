@@ -26,7 +26,7 @@ $(READY): requirements/lock.txt pyproject.toml
 
 setup: $(READY)  ## create the virtual environment
 
-demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD profile, with reports
+demo: kernels  ## simulate the 12-tooth motor from parameters and from a CAD profile, with reports
 	mkdir -p $(DEMO)
 	$(BIN)/toothspace run cases/egm12_motor.toml -o $(DEMO)/egm12_motor.nc --force
 	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html --force

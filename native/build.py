@@ -83,7 +83,7 @@ def _link(compiled: list[Compiled], source: str, digest: str, folder: Path) -> N
         objects[-1].write_bytes(one.code)
     table = folder / "table.c"
     table.write_text(source, encoding="utf-8")
-    sources = [table, *(HERE / "c" / name for name in ("machine.c", "memory.c"))]
+    sources = [table, *(HERE / "c" / name for name in ("machine.c", "reshape.c"))]
     common = [*_compiler(), "-O2", "-fvisibility=hidden"]
     _run([*common, "-o", folder / LIBRARY, *sources, *objects, *LIBRARY_FLAGS[sys.platform]])
     # the whole machine alone, for units that go to other programs

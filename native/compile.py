@@ -131,27 +131,15 @@ def _numba_type(kind: Type) -> Any:
 
 
 def _result_text(kind: Any) -> str:
-    """Text of what an entry gives."""
+    """Text of what an entry gives: numbers, for arrays are filled where their caller has them."""
     from numba import types
-
-    from toothspace.core.compilation.sources import name_of
 
     numbers = {types.float64: "f8", types.int64: "i8", types.boolean: "b1", types.none: "n"}
     if kind in numbers:
         return numbers[kind]
-    if isinstance(kind, types.Array) and kind.layout == "C":
-        return f"{_dtype(kind)}[{kind.ndim}C]"
-    if isinstance(kind, types.BaseNamedTuple):
-        return f"{name_of(kind.instance_class)}({','.join(map(_result_text, kind))})"
     if isinstance(kind, types.BaseTuple):
         return f"({','.join(map(_result_text, kind))})"
     raise TypeError(f"no entry gives {kind}")
-
-
-def _dtype(kind: Any) -> str:
-    from numba.np.numpy_support import as_dtype
-
-    return str(as_dtype(kind.dtype).str[1:])
 
 
 def _object_code(text: str, symbol: str) -> bytes:

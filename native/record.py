@@ -59,10 +59,10 @@ def widened(former: str, types: str) -> str:
 
 
 def is_there(name: str) -> bool:
-    """Whether an entry still is a function of its module."""
+    """Whether an entry still is a compiled function of its module."""
     module, function = name.rsplit(".", 1)
     try:
-        return hasattr(import_module(f"toothspace.{module}"), function)
+        return hasattr(getattr(import_module(f"toothspace.{module}"), function, None), "py_func")
     except ImportError:
         return False
 

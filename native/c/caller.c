@@ -17,15 +17,12 @@
 #define MOST_RESULTS 512 /* bytes */
 
 typedef int32_t (*entry_function)(void *result, void **failure, const void *words);
-typedef void (*release_function)(void *memory);
 
 typedef struct {
     int64_t words[MOST_WORDS];
     Py_buffer arrays[MOST_ARRAYS];
     int n_words, n_arrays;
 } block;
-
-static PyObject *empty_array; /* numpy.empty */
 
 /* Types are written as i8, f8, f4, b1, V232; f8[2C] for an array, with r behind it where it may be
  * read-only; (...) for a tuple; n for nothing. */
@@ -168,28 +165,7 @@ static const char *aligned(const char *place, const char *start, int width)
     return beyond ? place + width - beyond : place;
 }
 
-static PyObject *taken_array(const array_type *type, const int64_t *words,
-                             release_function release)
-{
-    int dimensions = type->dimensions;
-    char dtype[3] = {type->kind, (char)('0' + type->width), 0};
-    PyObject *shape = PyTuple_New(dimensions), *array = NULL;
-    for (int k = 0; shape && k < dimensions; k++)
-        PyTuple_SetItem(shape, k, PyLong_FromLongLong(words[5 + k]));
-    if (shape)
-        array = PyObject_CallFunction(empty_array, "Os", shape, dtype);
-    Py_XDECREF(shape);
-    Py_buffer view;
-    if (array && PyObject_GetBuffer(array, &view, PyBUF_WRITABLE) == 0) {
-        memcpy(view.buf, (const void *)(intptr_t)words[4], (size_t)(words[2] * words[3]));
-        PyBuffer_Release(&view);
-    }
-    release((void *)(intptr_t)words[0]);
-    return array;
-}
-
-static PyObject *taken(const char **type, const char **place, const char *start,
-                       release_function release)
+static PyObject *taken(const char **type, const char **place, const char *start)
 {
     const char *p = *type;
     if (*p == 'n') {
@@ -200,7 +176,7 @@ static PyObject *taken(const char **type, const char **place, const char *start,
         PyObject *members = PyList_New(0);
         *type = p + 1;
         while (members && **type != ')') {
-            PyObject *member = taken(type, place, start, release);
+            PyObject *member = taken(type, place, start);
             if (!member || PyList_Append(members, member) < 0)
                 Py_CLEAR(members);
             Py_XDECREF(member);
@@ -211,12 +187,6 @@ static PyObject *taken(const char **type, const char **place, const char *start,
         PyObject *tuple = members ? PyList_AsTuple(members) : NULL;
         Py_XDECREF(members);
         return tuple;
-    }
-    array_type array;
-    if (is_array(type, &array)) {
-        const int64_t *words = (const int64_t *)aligned(*place, start, 8);
-        *place = (const char *)(words + 5 + 2 * array.dimensions);
-        return taken_array(&array, words, release);
     }
     int width = width_of(p);
     const char *here = aligned(*place, start, width);
@@ -241,12 +211,11 @@ static PyObject *taken(const char **type, const char **place, const char *start,
 
 static PyObject *call(PyObject *self, PyObject *args)
 {
-    unsigned long long address, release;
+    unsigned long long address;
     const char *types, *results;
     PyObject *values;
     (void)self;
-    if (!PyArg_ParseTuple(args, "KKyyO!", &address, &release, &types, &results, &PyTuple_Type,
-                          &values))
+    if (!PyArg_ParseTuple(args, "KyyO!", &address, &types, &results, &PyTuple_Type, &values))
         return NULL;
     block given, *b = &given;
     b->n_words = b->n_arrays = 0;
@@ -270,12 +239,12 @@ static PyObject *call(PyObject *self, PyObject *args)
         return NULL;
     }
     const char *place = (const char *)result;
-    return taken(&results, &place, place, (release_function)(uintptr_t)release);
+    return taken(&results, &place, place);
 }
 
 static PyMethodDef methods[] = {
     {"call", call, METH_VARARGS,
-     "call(address, release, types, results, arguments): NotImplemented where types differ"},
+     "call(address, types, results, arguments): NotImplemented where types differ"},
     {NULL, NULL, 0, NULL},
 };
 
@@ -284,10 +253,4 @@ static struct PyModuleDef definition = {
     NULL, NULL, NULL, NULL,
 };
 
-PyMODINIT_FUNC PyInit_caller(void)
-{
-    PyObject *numpy = PyImport_ImportModule("numpy");
-    empty_array = numpy ? PyObject_GetAttrString(numpy, "empty") : NULL;
-    Py_XDECREF(numpy);
-    return empty_array ? PyModule_Create(&definition) : NULL;
-}
+PyMODINIT_FUNC PyInit_caller(void) { return PyModule_Create(&definition); }

@@ -20,6 +20,7 @@ from toothspace.gearing.mesh_split import (
     Placement,
     closest_points,
     distance,
+    search_of,
     starting_places,
 )
 from toothspace.gearing.meshing import (
@@ -259,9 +260,10 @@ def test_ends_of_a_wide_throat_are_the_closest_points() -> None:
     for angle in np.deg2rad(np.linspace(-86.7, -86.4, 13)):
         first = Placement(0.5 * np.pi + angle + mesh.half_pitch, 0.0)
         second = Placement(-0.5 * np.pi - mesh.ratio * angle + mesh.turn, mesh.center_distance)
-        near = closest_points(pinion.right, first, ring.right, second)
-        starts, count = starting_places(pinion.right, first, ring.right, second)
+        search = search_of(pinion.right, ring.right)
+        near = closest_points(pinion.right, first, ring.right, second, search)
+        count = starting_places(pinion.right, first, ring.right, second, search)
         found = distance(pinion.right, first, ring.right, second, near)
-        for start in starts[:count]:
+        for start in search.starts[:count]:
             begun = Closest(start[0], start[1], FREE)
             assert found <= distance(pinion.right, first, ring.right, second, begun)

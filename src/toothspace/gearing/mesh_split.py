@@ -19,9 +19,9 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.closures.smooth import smooth_step
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import inlined, kernel
 from toothspace.core.recall import recalled
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.gearing.tooth import (
     Flank,
     flank_curvature,
@@ -106,40 +106,61 @@ def nearest_knot(flank: Flank, at: Placement, x: float, y: float) -> float:
     return place
 
 
+class Search(NamedTuple):
+    """Memory for the search for the places where two flanks come closest."""
+
+    points: Array  # (knots of the first flank, 2)
+    apart: Array  # (knots of the second flank,)
+    near: IntArray
+    reach: Array  # (places between those knots,)
+    place: Array
+    across: Array
+    starts: Array  # (starts, 2), what is found
+
+
+def search_of(first: Flank, second: Flank) -> Search:
+    """Memory for a search between two flanks."""
+    n, m = first.knots.size, second.knots.size
+    reach, place, across = np.empty((3, _PARTS * (m - 1) + 3))
+    near, starts = np.empty(m, dtype=np.int64), np.empty((_STARTS, 2))
+    return Search(np.empty((n, 2)), np.empty(m), near, reach, place, across, starts)
+
+
 @inlined
 def starting_places(
-    first: Flank, at_first: Placement, second: Flank, at_second: Placement
-) -> tuple[Array, int]:
-    """Places where the flanks come closest, and how many there are. Shape (starts, 2). [m].
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement, search: Search
+) -> int:
+    """Find the places where the flanks come closest; return how many there are. [m].
 
     Facets and waves come close at several places. From one knot of the second flank to the next
     the distance changes by the way at most, so one looks between them only where it can fall
     below the least that was found.
     """
     n, m = first.knots.size, second.knots.size
-    xs, ys = np.empty(n), np.empty(n)
+    points, apart, near, reach = search.points, search.apart, search.near, search.reach
+    place, across, starts = search.place, search.across, search.starts
     for i in range(n):
-        xs[i], ys[i] = placed_point(first, at_first, first.knots[i])
-    apart, near = np.empty(m), np.empty(m, dtype=np.int64)
+        points[i, 0], points[i, 1] = placed_point(first, at_first, first.knots[i])
+    least = 1e300
     for j in range(m):
         x, y = placed_point(second, at_second, second.knots[j])
         apart[j] = 1e300
         for i in range(n):
-            d = (x - xs[i]) ** 2 + (y - ys[i]) ** 2
+            d = (x - points[i, 0]) ** 2 + (y - points[i, 1]) ** 2
             if d < apart[j]:
                 apart[j], near[j] = d, i
         # a knot is held against the tangent at another one: between knots alone the distance
         # would prefer where they are dense
         i = near[j]
         dx, dy, _, _ = placed_tangent(first, at_first, first.knots[i])
-        ahead = (x - xs[i]) * dx + (y - ys[i]) * dy
+        ahead = (x - points[i, 0]) * dx + (y - points[i, 1]) * dy
         after = first.knots[min(i + 1, n - 1)] - first.knots[i]
         before = first.knots[i] - first.knots[max(i - 1, 0)]
         along = min(max(ahead, -0.5 * before), 0.5 * after)
-        apart[j] = np.sqrt((x - xs[i] - along * dx) ** 2 + (y - ys[i] - along * dy) ** 2)
-    least = np.min(apart)
-    reach = np.full(_PARTS * (m - 1) + 3, 1e300)
-    place, across = np.empty(reach.size), np.empty(reach.size)
+        beyond_x, beyond_y = x - points[i, 0] - along * dx, y - points[i, 1] - along * dy
+        apart[j] = np.sqrt(beyond_x**2 + beyond_y**2)
+        least = min(least, apart[j])
+    reach[:] = 1e300
     for j in range(m - 1):
         step = second.knots[j + 1] - second.knots[j]
         if 0.5 * (apart[j] + apart[j + 1] - step) > least:
@@ -154,7 +175,6 @@ def starting_places(
             place[row] = project(first, at_first, x, y, first.knots[i])
             px, py = placed_point(first, at_first, place[row])
             reach[row] = np.sqrt((x - px) ** 2 + (y - py) ** 2)
-    starts = np.empty((_STARTS, 2))
     count = 0
     while count < _STARTS:
         best, chosen = 1e300, -1
@@ -167,7 +187,7 @@ def starting_places(
         starts[count, 0], starts[count, 1] = place[chosen], across[chosen]
         place[chosen] = -1.0
         count += 1
-    return starts, count
+    return count
 
 
 @inlined
@@ -292,10 +312,10 @@ def _signed_distance(
 
 @inlined
 def closest_points(
-    first: Flank, at_first: Placement, second: Flank, at_second: Placement
+    first: Flank, at_first: Placement, second: Flank, at_second: Placement, search: Search
 ) -> Closest:
     """Closest points of two flanks: on a common normal, or with one at its tip corner."""
-    places, count = starting_places(first, at_first, second, at_second)
+    count, places = starting_places(first, at_first, second, at_second, search), search.starts
     best, least = Closest(0.0, 0.0, FREE), 1e300
     for k in range(count):
         start = Closest(places[k, 0], places[k, 1], FREE)
@@ -441,7 +461,8 @@ def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
         Throat angles. [rad]
     """
     data = np.zeros((angles.size, _COLUMNS))
-    _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float), data)
+    at = np.ascontiguousarray(angles, dtype=float)
+    _throat_rows(drive, driven, mesh, at, search_of(drive, driven), data)
     ends = (
         ThroatEnd(
             point=data[:, 1 + 2 * k : 3 + 2 * k],
@@ -567,15 +588,17 @@ def _signed_gap(
     return sign * reach, sign * gx / reach, sign * gy / reach
 
 
-@njit
-def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array, rows: Array) -> None:
+@kernel
+def _throat_rows(
+    drive: Flank, driven: Flank, mesh: Mesh, angles: Array, search: Search, rows: Array
+) -> None:
     window = throat_window(drive, driven, mesh)
     idle = Closest(0.0, 0.0, FIRST_AT_CORNER)
     for k in range(angles.size):
         angle, row = angles[k], rows[k]
         first, second = _placements(drive, mesh, angle)
         inside = window.appears < angle < window.gone
-        near = closest_points(drive, first, driven, second) if inside else idle
+        near = closest_points(drive, first, driven, second, search) if inside else idle
         ends = _ends(drive, driven, mesh, window, angle, near)
         row[0], row[1], row[2], row[3], row[4] = ends.weight, ends.x1, ends.y1, ends.x2, ends.y2
         corner1 = first.angle - 0.5 * np.pi + drive.corner_angle

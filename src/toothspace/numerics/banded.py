@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 
@@ -66,7 +66,7 @@ def check_grid(key: str, grid: tuple[int, int]) -> None:
         )
 
 
-@njit(nogil=True)
+@kernel
 def fill_band(stencil: Array, rows: int, lanes: int, cut: int, band: Single) -> None:
     """Fill the band storage of a five-point matrix, rows counted from the cut.
 
@@ -167,7 +167,7 @@ def _four_sums(flat: Single, first: int, columns: int, x: Single) -> tuple[Any, 
     return t0, t1, t2, t3
 
 
-@njit(nogil=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+@njit(nogil=True, fastmath={"contract", "reassoc"}, error_model="numpy", _nrt=False)
 def _substitute(band: Single, x: Single) -> None:
     """Forward and backward substitution in place: a panel serves all sides while in cache.
 
@@ -199,7 +199,6 @@ def _substitute(band: Single, x: Single) -> None:
             own[0] = (own[0] - total) / flat[p0]
 
 
-@njit(nogil=True, error_model="numpy")
 def solve_bands(band: Single, factored: Array, stencil: Array, rhs: Array, shift: int) -> Array:
     """Solutions for several right-hand sides in grid order, in one pass over the factors.
 
@@ -207,10 +206,25 @@ def solve_bands(band: Single, factored: Array, stencil: Array, rhs: Array, shift
     It is that of the matrix ``factored``; where the diagonal of the matrix to solve differs, a
     cell holds another unknown, in units that differ as much.
     """
+    x = np.zeros((len(rhs), len(band) + 2 * _reach(band)), dtype=np.float32)
+    out, sizes = np.empty(rhs.shape), np.zeros(len(rhs))
+    _solve(band, factored, stencil, rhs, shift, x, sizes, out)
+    return out
+
+
+@kernel
+def _solve(
+    band: Single,
+    factored: Array,
+    stencil: Array,
+    rhs: Array,
+    shift: int,
+    x: Single,
+    sizes: Array,
+    out: Array,
+) -> None:
     sides, n = rhs.shape
     reach = _reach(band)
-    x = np.zeros((sides, len(band) + 2 * reach), dtype=np.float32)
-    out, sizes = np.empty(rhs.shape), np.zeros(sides)
     for k in range(sides):
         for r in range(n):
             out[k, r] = rhs[k, r] / factored[r, 2]
@@ -223,10 +237,9 @@ def solve_bands(band: Single, factored: Array, stencil: Array, rhs: Array, shift
         for r in range(n):
             found = x[k, reach + (r - shift if r >= shift else r - shift + n)]
             out[k, r] = sizes[k] * found * (factored[r, 2] / stencil[r, 2])
-    return out
 
 
-@njit(nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"}, _nrt=False)
 def stencil_products(stencil: Array, x: Array, rows: int, lanes: int, y: Array) -> None:
     """Products of a five-point matrix on a ring and several vectors in grid order, one per row."""
     for i in range(rows):

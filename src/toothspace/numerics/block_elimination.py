@@ -12,7 +12,7 @@ from typing import NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.numerics.banded import stencil_products
 from toothspace.numerics.krylov import combine, extend
@@ -56,7 +56,34 @@ class Blocks(NamedTuple):
     """Lanes of every block, inverses, and the row before which the ring is cut."""
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
+class _Scratch(NamedTuple):
+    """Memory that a solution writes into."""
+
+    swept: Single  # (rows and two overlaps, lanes), zero at first
+    lines: Single  # two rows with their padding
+    basis: Array
+    images: Array
+    projected: Array
+    found: Array
+    product: Array
+    rest: Array  # (cells,)
+
+
+def _scratch(rows: int, lanes: int) -> _Scratch:
+    cells = rows * lanes
+    return _Scratch(
+        np.zeros((rows + 2 * _OVERLAP, lanes), dtype=np.float32),
+        np.zeros((2, lanes + 16), dtype=np.float32),
+        np.empty((_MOST + 1, cells)),
+        np.empty((_MOST, cells)),
+        np.zeros((_MOST + 3, _MOST + 1)),
+        np.empty(cells),
+        np.empty((1, cells)),
+        np.empty(cells),
+    )
+
+
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
 def _invert_pivot(block: Single, k: int, pivot: Single) -> None:
     """Inverse of the four rows and columns from the k-th on."""
     for a in range(4):
@@ -74,7 +101,7 @@ def _invert_pivot(block: Single, k: int, pivot: Single) -> None:
                     pivot[c, b] -= factor * pivot[a, b]
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
 def _replace_pivot(block: Single, k: int, pivot: Single, lead: Single) -> None:
     """Multiply four rows by the inverse of their pivot, in place and into ``lead``."""
     for a in range(4):
@@ -90,7 +117,7 @@ def _replace_pivot(block: Single, k: int, pivot: Single, lead: Single) -> None:
             block[k + a, j] = lead[a, j]
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
 def _clear_two(first: Single, second: Single, lead: Single, k: int) -> None:
     """Take four leading rows out of two rows at once: half the loads of one by one."""
     x0, x1, x2, x3 = first[k], first[k + 1], first[k + 2], first[k + 3]
@@ -104,7 +131,7 @@ def _clear_two(first: Single, second: Single, lead: Single, k: int) -> None:
         second[j] -= y0 * a + y1 * b + y2 * c + y3 * d
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
 def _invert(block: Single, lead: Single, pivot: Single) -> None:
     """Inverse in place by Gauss and Jordan, four columns at a time, without exchange of rows.
 
@@ -134,7 +161,7 @@ def _invert(block: Single, lead: Single, pivot: Single) -> None:
                     row[j] -= factor * last[j]
 
 
-@njit(nogil=True, error_model="numpy")
+@kernel
 def _scale(stencil: Array, coupling: Single, inverse: Array) -> None:
     """Coefficients of the neighbours over that of the centre, and the inverse of the latter."""
     _, rows, lanes = coupling.shape
@@ -146,22 +173,19 @@ def _scale(stencil: Array, coupling: Single, inverse: Array) -> None:
                 coupling[k, i, j] = stencil[r, k + k // 2] * inverse[r]
 
 
-@njit(nogil=True, error_model="numpy")
-def _units(inverse: Array, stencil: Array) -> Array:
-    """Scales of cells that hold another unknown than in the blocks; none if there is no such."""
-    other = 0
-    for r in range(inverse.size):
+@kernel
+def _fill_units(inverse: Array, stencil: Array, unit: Array) -> bool:
+    """Scales of cells that hold another unknown than in the blocks; whether there are such."""
+    other = False
+    for r in range(unit.size):
         ratio = inverse[r] * stencil[r, 2]
-        other += ratio > _OTHER or ratio < 1.0 / _OTHER
-    out = np.ones(inverse.size if other > 0 else 0)
-    for r in range(out.size):
-        ratio = inverse[r] * stencil[r, 2]
-        if ratio > _OTHER or ratio < 1.0 / _OTHER:
-            out[r] = 1.0 / ratio
-    return out
+        differs = ratio > _OTHER or ratio < 1.0 / _OTHER
+        unit[r] = 1.0 / ratio if differs else 1.0
+        other = other or differs
+    return other
 
 
-@njit(nogil=True)
+@kernel
 def _spans(kind: IntArray, out: IntArray) -> None:
     """First lane, number of lanes, padded width and place in store of the block of every row."""
     rows, lanes = kind.shape
@@ -177,7 +201,7 @@ def _spans(kind: IntArray, out: IntArray) -> None:
         out[i + 1, 3] = out[i, 3] + size * width
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
 def _eliminate(
     coupling: Single, span: IntArray, cut: int, store: Single, lead: Single, pivot: Single
 ) -> None:
@@ -212,7 +236,7 @@ def _eliminate(
         _invert(block, lead, pivot)
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
 def _apply(block: Single, x: Single, out: Single) -> None:
     for i in range(block.shape[0]):
         row = block[i]
@@ -222,22 +246,21 @@ def _apply(block: Single, x: Single, out: Single) -> None:
         out[i] = total
 
 
-@njit(nogil=True, fastmath=True, error_model="numpy")
-def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
+@njit(nogil=True, fastmath=True, error_model="numpy", _nrt=False)
+def _substitute(blocks: Blocks, unit: Array, rhs: Array, scratch: _Scratch, x: Array) -> None:
     """Approximate solution: forward through the ring and back. ``unit`` scales the unknowns."""
     coupling, span, store = blocks.coupling, blocks.span, blocks.store
     _, rows, lanes = coupling.shape
     total = rows + 2 * _OVERLAP
     # single precision spans 38 decades: sides are solved as parts of their largest value
     # right-hand side over the coefficients of the centre, and its largest value
-    x, size = np.empty(rhs.size), 0.0
+    size = 0.0
     for r in range(x.size):
         x[r] = rhs[r] * blocks.inverse[r]
         size = max(size, abs(x[r]))
     if size == 0.0:
-        return x
-    z = np.zeros((total, lanes), dtype=np.float32)
-    v, moved = np.zeros(lanes + 16, dtype=np.float32), np.zeros(lanes + 16, dtype=np.float32)
+        return
+    z, v, moved = scratch.swept, scratch.lines[0], scratch.lines[1]
     for n in range(total):
         i = (blocks.cut - _OVERLAP + n) % rows
         low, count, width, place = span[i]
@@ -266,29 +289,35 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
         low, count = span[i, 0], span[i, 1]
         for k in range(count):
             x[i * lanes + low + k] = z[n + _OVERLAP, low + k] * size
-    if unit.size > 0:
-        x *= unit
-    return x
+    for r in range(unit.size):
+        x[r] *= unit[r]
 
 
-@njit(nogil=True, error_model="numpy")
+@inlined
+def _difference(a: Array, b: Array, out: Array) -> None:
+    for k in range(out.size):
+        out[k] = a[k] - b[k]
+
+
+@kernel
 def _refine(
-    stencil: Array, blocks: Blocks, unit: Array, sides: Array, x: Array, relative_tolerance: float
+    stencil: Array,
+    blocks: Blocks,
+    unit: Array,
+    sides: Array,
+    scratch: _Scratch,
+    x: Array,
+    relative_tolerance: float,
 ) -> int:
     """Correct solutions in place until the residual of each is small; most iterations."""
     rows, lanes = blocks.known.shape
-    size, effort = sides.shape[1], 0
-    basis, images = np.empty((_MOST + 1, size)), np.empty((_MOST, size))
-    projected, product, found = (
-        np.zeros((_MOST + 3, _MOST + 1)),
-        np.empty((1, size)),
-        np.empty(size),
-    )
+    basis, images, projected = scratch.basis, scratch.images, scratch.projected
+    product, rest, effort = scratch.product, scratch.rest, 0
     for k in range(len(sides)):
         left, former = norm(sides[k]), np.inf
         goal = relative_tolerance * left
         stencil_products(stencil, x[k : k + 1], rows, lanes, product)
-        rest = sides[k] - product[0]
+        _difference(sides[k], product[0], rest)
         # a start of another operating point may be worse than none
         if norm(rest) < left:
             left = norm(rest)
@@ -302,18 +331,19 @@ def _refine(
             limit = max(_SHARE * goal, LEAST_CORRECTION * left)
             projected[:] = 0.0
             projected[-1, 0] = left
-            put(basis[0], rest / left)
+            for j in range(rest.size):
+                basis[0, j] = rest[j] / left
             count, missing = 0, left
             while count < _MOST and missing > limit:
-                put(images[count], _substitute(blocks, unit, basis[count]))
+                _substitute(blocks, unit, basis[count], scratch, images[count])
                 stencil_products(stencil, images[count : count + 1], rows, lanes, product)
                 missing = extend(basis, projected, count, product[0])
                 count += 1
-            combine(images, projected, count, found)
-            add_scaled(x[k], 1.0, found)
+            combine(images, projected, count, scratch.found)
+            add_scaled(x[k], 1.0, scratch.found)
             effort = max(effort, count)
             stencil_products(stencil, x[k : k + 1], rows, lanes, product)
-            rest = sides[k] - product[0]
+            _difference(sides[k], product[0], rest)
             former, left = left, norm(rest)
     return effort
 
@@ -332,7 +362,8 @@ class BlockSystem:
 
     def __init__(self, stencil: Array, blocks: Blocks) -> None:
         self._stencil, self.blocks = stencil, blocks
-        self._unit = _units(blocks.inverse, stencil)
+        unit = np.empty(blocks.inverse.size)
+        self._unit = unit if _fill_units(blocks.inverse, stencil, unit) else unit[:0]
         self.effort = 0
         """Iterations of the last solution. [-]"""
 
@@ -346,13 +377,15 @@ class BlockSystem:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = np.ascontiguousarray(rhs.reshape(-1, rhs.shape[-1]))
         x, goal, tried = np.zeros(sides.shape), relative_tolerance, 0
+        scratch = _scratch(*self.blocks.known.shape)
         if start is not None:
             x[:] = start.reshape(sides.shape)
         elif goal >= _ROUGH:
             # blocks of a matrix nearby are often enough by themselves
-            x[:] = [_substitute(self.blocks, self._unit, side) for side in sides]
+            for side, one in zip(sides, x, strict=True):
+                _substitute(self.blocks, self._unit, side, scratch, one)
             tried = 1
-        more = _refine(self._stencil, self.blocks, self._unit, sides, x, goal)
+        more = _refine(self._stencil, self.blocks, self._unit, sides, scratch, x, goal)
         self.effort = max(tried, more)
         return x.reshape(rhs.shape)
 

@@ -15,7 +15,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import inlined, kernel
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.linear_system import (
@@ -46,37 +46,26 @@ ROUNDING = 1e-10
 """Part of its scale by which an unknown may break a bound before its cell changes kind. [-]"""
 
 
-@njit(nogil=True)
 def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array, Array]:
     """Fields with one more cell on every side: given potentials at full saturation, or the ring."""
     rows, lanes = potential.shape
-    u = np.zeros((rows + 2, lanes + 2))
-    s = np.ones((rows + 2, lanes + 2))
-    for i in range(rows):
-        put(u[i + 1, 1:-1], potential[i])
-        put(s[i + 1, 1:-1], saturation[i])
-    put(u[1:-1, 0], b.south)
-    put(u[1:-1, -1], b.north)
+    u, s = np.zeros((rows + 2, lanes + 2)), np.ones((rows + 2, lanes + 2))
+    u[1:-1, 1:-1], s[1:-1, 1:-1] = potential, saturation
+    u[1:-1, 0], u[1:-1, -1] = b.south, b.north
     if b.ring:
-        put(u[0, 1:-1], potential[-1])
-        put(s[0, 1:-1], saturation[-1])
-        put(u[-1, 1:-1], potential[0])
-        put(s[-1, 1:-1], saturation[0])
+        u[0, 1:-1], u[-1, 1:-1] = potential[-1], potential[0]
+        s[0, 1:-1], s[-1, 1:-1] = saturation[-1], saturation[0]
     else:
-        put(u[0, 1:-1], b.west)
-        put(u[-1, 1:-1], b.east)
+        u[0, 1:-1], u[-1, 1:-1] = b.west, b.east
     return u, s
 
 
-@njit(nogil=True)
 def _bordered_kind(kind: IntArray, ring: bool) -> IntArray:
     rows, lanes = kind.shape
-    out = np.full((rows + 2, lanes + 2), 2)
-    for i in range(rows):
-        put(out[i + 1, 1:-1], kind[i])
+    out = np.full((rows + 2, lanes + 2), PRESCRIBED)
+    out[1:-1, 1:-1] = kind
     if ring:
-        put(out[0, 1:-1], kind[-1])
-        put(out[-1, 1:-1], kind[0])
+        out[0, 1:-1], out[-1, 1:-1] = kind[-1], kind[0]
     return out
 
 
@@ -114,20 +103,24 @@ def neighbour_terms(
     return (west, south, north, east), (from_west, from_south, from_north, from_east), leaving
 
 
-@njit(nogil=True)
 def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     """Five-point matrix and right-hand side for given kinds of the cells."""
-    rows, lanes = kind.shape
-    stencil = np.zeros((rows * lanes, 5))
-    rhs = np.empty(rows * lanes)
+    stencil, rhs = np.zeros((kind.size, 5)), np.empty(kind.size)
     known, _ = bordered(b, b.prescribed, b.prescribed)
-    kinds = _bordered_kind(kind, b.ring)
+    _fill_system(b, _bordered_kind(kind, b.ring), known, stencil, rhs)
+    return stencil, rhs
+
+
+@kernel
+def _fill_system(b: CellBalance, kinds: IntArray, known: Array, stencil: Array, rhs: Array) -> None:
+    """Coefficients and right-hand side, from kinds and potentials with a border."""
+    rows, lanes = b.mark.shape
     gx, gy = b.conductance_x, b.conductance_y
     for i in range(rows):
         for j in range(lanes):
             r, p, q = i * lanes + j, i + 1, j + 1
             size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
-            if kind[i, j] == 2:
+            if kinds[p, q] == 2:
                 # scaled as a balance, so that residual norms compare flows with flows
                 stencil[r, 2] = size if size > 0.0 else 1.0
                 rhs[r] = stencil[r, 2] * known[p, q]
@@ -136,7 +129,7 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
             given = known[p - 1, q], known[p, q - 1], known[p, q + 1], known[p + 1, q]
             sides, gains, leaving = neighbour_terms(b, (i, j), round_it, given)
             supply = b.source[i, j] + gains[0] + gains[1] + gains[2] + gains[3]
-            if kind[i, j] == 0:
+            if kinds[p, q] == 0:
                 leaving, supply = size, supply - leaving
             elif leaving <= 0.0:
                 # nothing leaves the cell, so it fills up: the next pass takes it as saturated
@@ -144,10 +137,8 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
                 continue
             stencil[r, 0], stencil[r, 1], stencil[r, 2] = sides[0], sides[1], leaving
             stencil[r, 3], stencil[r, 4], rhs[r] = sides[2], sides[3], supply
-    return stencil, rhs
 
 
-@njit(nogil=True)
 def face_flows(
     b: CellBalance, change: CellBalance, potential: Array, saturation: Array
 ) -> tuple[Array, Array]:
@@ -156,11 +147,17 @@ def face_flows(
     With ``change = b`` the flows themselves, else their variation with the coefficients;
     the upstream side of a face is always that of ``b``.
     """
-    u, s = bordered(b, potential, saturation)
+    along, across = np.empty(b.conductance_x.shape), np.empty(b.conductance_y.shape)
+    _fill_flows(b, change, *bordered(b, potential, saturation), along, across)
+    return along, across
+
+
+@kernel
+def _fill_flows(
+    b: CellBalance, change: CellBalance, u: Array, s: Array, flow_x: Array, flow_y: Array
+) -> None:
     gx, gy, cx, cy = change.conductance_x, change.conductance_y, b.advection_x, b.advection_y
     dx, dy = change.advection_x, change.advection_y
-    flow_x = np.empty(gx.shape)
-    flow_y = np.empty(gy.shape)
     for i in range(gx.shape[0]):
         for j in range(gx.shape[1]):
             carried = s[i, j + 1] if cx[i, j] > 0.0 else s[i + 1, j + 1]
@@ -169,25 +166,18 @@ def face_flows(
         for j in range(gy.shape[1]):
             carried = s[i + 1, j] if cy[i, j] > 0.0 else s[i + 1, j + 1]
             flow_y[i, j] = gy[i, j] * (u[i + 1, j] - u[i + 1, j + 1]) + dy[i, j] * carried
-    return flow_x, flow_y
 
 
-@njit(nogil=True)
 def residual(b: CellBalance, change: CellBalance, potential: Array, saturation: Array) -> Array:
     """Net flow out of every cell less its source, prescribed cells included.
 
     ``change`` as in :func:`face_flows`: the residual itself or its variation.
     """
-    flow_x, flow_y = face_flows(b, change, potential, saturation)
-    out = saturation * change.storage - change.source
-    rows, lanes = potential.shape
-    for i in range(rows):
-        for j in range(lanes):
-            out[i, j] += flow_x[i + 1, j] - flow_x[i, j] + flow_y[i, j + 1] - flow_y[i, j]
-    return out
+    along, across = face_flows(b, change, potential, saturation)
+    net = along[1:] - along[:-1] + across[:, 1:] - across[:, :-1]
+    return np.asarray(saturation * change.storage - change.source + net)
 
 
-@njit(nogil=True)
 def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int, empty: int) -> None:
     """Revise the kinds by sweeps along the flow, each cell solved on its own.
 
@@ -195,23 +185,26 @@ def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int, empty: 
     sweeps run against the first index. Cells on the bound become ``empty``: UNSATURATED, or
     PRESCRIBED for an obstacle.
     """
-    rows, lanes = kind.shape
-    potential, saturation = np.zeros((rows, lanes)), np.ones((rows, lanes))
-    for i in range(rows):
-        for j in range(lanes):
-            if kind[i, j] == 1:
-                saturation[i, j] = np.minimum(unknown[i * lanes + j], 1.0)
-            else:
-                potential[i, j] = np.maximum(unknown[i * lanes + j], 0.0)
-    u, s = bordered(b, potential, saturation)
+    values, unsaturated = unknown.reshape(kind.shape), kind == UNSATURATED
+    potential = np.where(unsaturated, 0.0, np.maximum(values, 0.0))
+    saturation = np.where(unsaturated, np.minimum(values, 1.0), 1.0)
+    _sweep(b, kind, *bordered(b, potential, saturation), sweeps, empty)
+
+
+@kernel
+def _sweep(b: CellBalance, kind: IntArray, u: Array, s: Array, sweeps: int, empty: int) -> None:
+    rows = kind.shape[0]
     for _ in range(abs(sweeps)):
         if b.ring:
-            u[0], u[-1], s[0], s[-1] = u[-2], u[1], s[-2], s[1]
+            put(u[0], u[rows])
+            put(u[rows + 1], u[1])
+            put(s[0], s[rows])
+            put(s[rows + 1], s[1])
         for step in range(rows):
             _settle_row(b, kind, u, s, rows - 1 - step if sweeps < 0 else step, empty)
 
 
-@njit(nogil=True)
+@kernel
 def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empty: int) -> None:
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
     p = i + 1
@@ -235,7 +228,7 @@ def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empt
             kind[i, j] = empty
 
 
-@njit(nogil=True)
+@kernel
 def exchange_kinds(kind: IntArray, unknowns: Array, scale: float, storage: Array) -> int:
     """Exchange the kind of cells that break a bound; return how many did.
 
@@ -258,25 +251,16 @@ def exchange_kinds(kind: IntArray, unknowns: Array, scale: float, storage: Array
     return changed
 
 
-@njit(nogil=True)
 def _revise_obstacle(b: CellBalance, kind: IntArray, unknown: Array, scale: float) -> int:
     """Exchange cells on the obstacle that the balance pushes off, and the reverse."""
-    changed = 0
-    rows, lanes = kind.shape
-    potential = unknown.reshape(rows, lanes)
-    net = residual(b, b, potential, np.ones((rows, lanes)))
+    potential = unknown.reshape(kind.shape)
+    net = residual(b, b, potential, np.ones(kind.shape))
     size = 1e-12 * np.abs(b.advection_x).max() + 1e-12 * np.abs(b.storage).max()
-    for i in range(rows):
-        for j in range(lanes):
-            if b.mark[i, j] == 2:
-                continue
-            if kind[i, j] == 0 and potential[i, j] < -ROUNDING * scale:
-                kind[i, j] = 2
-                changed += 1
-            elif kind[i, j] == 2 and net[i, j] < -size:
-                kind[i, j] = 0
-                changed += 1
-    return changed
+    free = b.mark != PRESCRIBED
+    landed = free & (kind == SATURATED) & (potential < -ROUNDING * scale)
+    lifted = free & (kind == PRESCRIBED) & (net < -size)
+    kind[landed], kind[lifted] = PRESCRIBED, SATURATED
+    return int(landed.sum() + lifted.sum())
 
 
 @final
@@ -419,7 +403,7 @@ def _revise(
     if constraint is Constraint.CONSERVING:
         return int(exchange_kinds(kind, unknown, scale, balance.storage))
     if constraint is Constraint.OBSTACLE:
-        return int(_revise_obstacle(balance, kind, unknown, scale))
+        return _revise_obstacle(balance, kind, unknown, scale)
     return 0
 
 

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.numerics.vectors import add_scaled, dot, norm
 
@@ -104,7 +104,7 @@ _FIRST = 20
 """Iterations that a Krylov space has room for at first; one that grows is copied. [-]"""
 
 
-@njit(nogil=True, error_model="numpy")
+@kernel
 def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
     """Modified Gram-Schmidt and the rotation of the new column; returns what is left.
 
@@ -132,7 +132,7 @@ def extend(basis: Array, projected: Array, count: int, product: Array) -> float:
     return abs(right[count + 1])
 
 
-@njit(nogil=True, error_model="numpy")
+@kernel
 def combine(images: Array, projected: Array, count: int, x: Array) -> None:
     """Solution of the triangular system, as a sum of the images."""
     factors = projected[-1]

@@ -94,7 +94,7 @@ class DirectSystem:
 
     def _precondition(self, x: Array) -> Array:
         shift = self.cut * self.lanes
-        return np.asarray(solve_bands(self.band, self.factored, self.stencil, x, shift))
+        return solve_bands(self.band, self.factored, self.stencil, x, shift)
 
 
 def _lengths(sides: Array) -> Array:

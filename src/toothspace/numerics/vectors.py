@@ -17,7 +17,7 @@ def put(target: Any, values: Any) -> None:
         target[k] = values[k]
 
 
-@njit(nogil=True, fastmath={"contract", "reassoc"})
+@njit(nogil=True, fastmath={"contract", "reassoc"}, _nrt=False)
 def dot(a: Array, b: NDArray[Any]) -> float:
     """Inner product of two vectors; the second may be in single precision."""
     total = 0.0
@@ -26,13 +26,13 @@ def dot(a: Array, b: NDArray[Any]) -> float:
     return total
 
 
-@njit(nogil=True)
+@njit(nogil=True, _nrt=False)
 def norm(a: Array) -> float:
     """Euclidean length of a vector."""
     return float(dot(a, a) ** 0.5)
 
 
-@njit(nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"}, _nrt=False)
 def add_scaled(a: Array, factor: float, b: Array) -> None:
     """Add a multiple of the second vector to the first, in place."""
     for k in range(a.size):

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
-from importlib import import_module
 from typing import Any, final
 
 from toothspace.core.compilation.library import NEEDED, Library, Native
@@ -42,23 +40,18 @@ class Entry:
         """Call the code of the library, or what stands in for it."""
         found = self._found
         if found is not None:
-            native, call, release, made = found
-            result = call(native.address, release, native.types, native.results, arguments)
+            native, call = found
+            result = call(native.address, native.types, native.results, arguments)
             if result is not NotImplemented:
-                return result if made is None else made(*result)
+                return result
         return self._otherwise(*arguments)
 
     @cached_property
-    def _found(self) -> tuple[Native, Any, int, Any] | None:
+    def _found(self) -> tuple[Native, Any] | None:
         if self._library is None:
             raise CaseError(NEEDED)
         native = self._library.entries.get(name_of(self.py_func))
-        if native is None:
-            return None
-        # class of the named tuple that an entry gives, if it gives one
-        named = re.match(r"([\w.]+)\.(\w+)\(", native.classes)
-        made = named and getattr(import_module(f"toothspace.{named[1]}"), named[2])
-        return native, self._library.call, self._library.release, made
+        return None if native is None else (native, self._library.call)
 
     @cached_property
     def _numba_type_(self) -> Any:

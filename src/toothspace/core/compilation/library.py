@@ -39,7 +39,7 @@ UNIT = LIBRARY.replace("toothspace", "toothspace_unit")
 
 MODEL = "model.o"
 UNIT_SOURCES = (
-    *("toothspace.h", "machine.c", "memory.c", "digest.c"),
+    *("toothspace.h", "machine.c", "reshape.c", "digest.c"),
     *("unit.h", "unit.c", "fmi2.c", "fmi3.c"),
 )
 """What that library is linked from: object code of the model, and sources in C."""
@@ -64,7 +64,6 @@ class Native:
     address: int
     types: bytes
     results: bytes
-    classes: str
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,6 @@ class Library:
     target: str
     digest: str
     call: Any
-    release: int
 
 
 @cache
@@ -138,14 +136,11 @@ def _opened() -> Library | str:
         return f"{path} was built from other sources"
     count = len(table["entries"])
     addresses = (ctypes.c_void_p * count).in_dll(library, "toothspace_functions")
-    release = ctypes.cast(library.toothspace_release, ctypes.c_void_p).value or 0
     entries = {
-        entry["name"]: Native(
-            addresses[k] or 0, _short(entry["types"]), _short(entry["results"]), entry["results"]
-        )
+        entry["name"]: Native(addresses[k] or 0, _short(entry["types"]), entry["results"].encode())
         for k, entry in enumerate(table["entries"])
     }
-    return Library(entries, table["target"], table["digest"], caller.call, release)
+    return Library(entries, table["target"], table["digest"], caller.call)
 
 
 def _short(types: str) -> bytes:

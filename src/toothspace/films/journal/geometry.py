@@ -26,7 +26,6 @@ from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.fluid import CAVITATION, FilmFluid
 from toothspace.films.reynolds.rough_surfaces import FlowLaw, pressure_stress, stress_factors
 from toothspace.numerics.banded import check_grid
-from toothspace.numerics.vectors import put
 
 _CHOICES = {
     "cavitation": set(CAVITATION),
@@ -199,32 +198,22 @@ def _inside(distance: Array, half_extent: float, step: float) -> np.ndarray:
     return inside
 
 
-@njit
-def _plane_waves(mesh: JournalMesh, place: Array, base: float, shift: float, axial: Array) -> Array:
-    """Gap height on lines of constant angle, shifted by a part of the angle step."""
-    out = np.empty((mesh.angle.size, axial.size))
-    for i in range(mesh.angle.size):
-        angle = mesh.angle[i] + shift * mesh.angle_step
-        c, s = np.cos(angle), np.sin(angle)
-        level = base - place[0] * c - place[1] * s
-        slope = place[2] * s - place[3] * c
-        for j in range(axial.size):
-            out[i, j] = level + slope * axial[j]
-    return out
+def _heights(place: Array, base: float, angle: Array, axial: Array) -> Array:
+    """Height of the gap, or its rate, on lines of constant angle. Shape (angles, lanes)."""
+    c, s = np.cos(angle), np.sin(angle)
+    level = base - place[0] * c - place[1] * s
+    slope = place[2] * s - place[3] * c
+    return np.asarray(level[:, None] + slope[:, None] * axial)
 
 
-@njit
 def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> GapField:
     """Gap height of a rigid shaft in a rigid cylindrical bush. [m]."""
-    place, rows, lanes = motion.place, mesh.angle.size, mesh.axial.size
-    centre = _plane_waves(mesh, place, clearance, 0.0, mesh.axial)
-    face_y = _plane_waves(mesh, place, clearance, 0.0, mesh.axial_face)
-    face_x = np.empty((rows + 1, lanes))
-    shifted = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
-    for i in range(rows + 1):
-        put(face_x[i], shifted[i % rows])
-    rate = _plane_waves(mesh, motion.speed, 0.0, 0.0, mesh.axial)
-    return GapField(centre, face_x, face_y, rate, np.zeros((rows, lanes)))
+    faces = mesh.angle - 0.5 * mesh.angle_step
+    centre = _heights(motion.place, clearance, mesh.angle, mesh.axial)
+    along = _heights(motion.place, clearance, np.append(faces, faces[0]), mesh.axial)
+    across = _heights(motion.place, clearance, mesh.angle, mesh.axial_face)
+    rate = _heights(motion.speed, 0.0, mesh.angle, mesh.axial)
+    return GapField(centre, along, across, rate, np.zeros(centre.shape))
 
 
 def lobed(gap: GapField, mesh: JournalMesh, lobes: Lobes, clearance: float) -> GapField:
