@@ -30,7 +30,7 @@ MIN_CURVATURE = 0.3
 """Smallest radius of curvature of their flanks. [modules]"""
 OVERLAP_TOLERANCE = 0.05
 """How far their overlap may be from a multiple of half a pitch. [-]"""
-_ENCLOSED_SHARE = 0.002
+ENCLOSED_SHARE = 0.002
 """Largest change of the enclosed volume over face width and square of the module. [-]
 
 The volume itself is some two: a thousandth of it compressed raises the pressure of oil by 16 bar.
@@ -43,6 +43,15 @@ MAX_BEARING_PRESSURE = 20e6
 MAX_BEARING_PRESSURE_VELOCITY = 100e6
 MAX_FLANK_PRESSURE = 1500e6
 MAX_ROOT_STRESS = 430e6
+STRENGTH_LIMITS = (
+    MAX_BEARING_PRESSURE,
+    MAX_BEARING_PRESSURE_VELOCITY,
+    MAX_FLANK_PRESSURE,
+    MAX_ROOT_STRESS,
+)
+"""Of bearing load, bearing p v, flank pressure and root stress. [Pa], [Pa m/s]"""
+DEEPEST_CUT = 0.127e-3
+"""Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
 _WHY_LOAD = "The bearings carry the whole pressure force; too high a load wipes their lining."
 _WHY_HEAT = "Load times sliding speed is the heat that the bearing film must carry away."
 _WHY_PITS = "Repeated contact pressure above the endurance of the flanks breaks out pits."
@@ -85,7 +94,7 @@ def pair_checks(
             root_clearance_check(owner, pair.root_clearances[index], gear.module),
         ]
     change = trapped_volume_change(pair, face_width)
-    share = VENTED_SHARE if vented else _ENCLOSED_SHARE
+    share = VENTED_SHARE if vented else ENCLOSED_SHARE
     spacing = f"vented by relief grooves at most {pair.relief_groove_spacing * 1e3:.4g} mm apart"
     return (
         *checks,
@@ -298,10 +307,10 @@ def strength_checks(
     force = contact_force(gears, difference)
     pitch, root = flank_pressure(gears, materials, force), root_stress(gears, profiles, force)
     rows = (
-        ("bearing specific load", load, MAX_BEARING_PRESSURE, "MPa", _WHY_LOAD),
-        ("bearing p v, lubricated", heat, MAX_BEARING_PRESSURE_VELOCITY, "MPa m/s", _WHY_HEAT),
-        ("flank pressure at the pitch point", pitch, MAX_FLANK_PRESSURE, "MPa", _WHY_PITS),
-        ("root stress", root, MAX_ROOT_STRESS, "MPa", _WHY_ROOT),
+        ("bearing specific load", load, "MPa", _WHY_LOAD),
+        ("bearing p v, lubricated", heat, "MPa m/s", _WHY_HEAT),
+        ("flank pressure at the pitch point", pitch, "MPa", _WHY_PITS),
+        ("root stress", root, "MPa", _WHY_ROOT),
     )
     return tuple(
         DesignCheck(
@@ -312,7 +321,7 @@ def strength_checks(
             passed=value <= limit,
             reason=reason,
         )
-        for name, value, limit, unit, reason in rows
+        for (name, value, unit, reason), limit in zip(rows, STRENGTH_LIMITS, strict=True)
     )
 
 

@@ -13,7 +13,8 @@ from toothspace.app.side_view import SideView
 from toothspace.case import Case
 from toothspace.core.keys import Bounded, Integer, QuantityKey, Table, keys_of
 from toothspace.core.types import Array
-from toothspace.core.units import from_si
+from toothspace.core.units import ATMOSPHERIC_PRESSURE, from_si
+from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.model.description import MachineDescription
 
 _MM = 1e3
@@ -102,31 +103,61 @@ def closed_form_of(case: Case) -> dict[str, Any] | None:
     limits of the design rules; None where gears or rotors come from files or have no closed form.
     """
     machine = case.machine
-    kind = case.machine_type
+    kind, family = case.machine_type, None
     if kind == "gerotor":
         kind = machine.rotors.kind
     else:
         gears = [
             getattr(machine, name, None) for name in ("gears", "driven_gear", "pinion", "ring")
         ]
-        drawn = any(getattr(gear, "profile", None) is not None for gear in gears)
-        if drawn or getattr(gears[0], "family", "involute") != "involute":
+        if any(getattr(gear, "profile", None) is not None for gear in gears):
             return None
+        family = getattr(gears[0], "family", "involute")
+        if family != "involute":
+            kind = "continuous_contact"
     return {
         "kind": kind,
+        "family": family,
         "mode": machine.mode,
         "values": {
             path: _in_unit(key, value)
             for path, key, value, _ in _numbers(case)
             if path.startswith("machine.")
         },
-        "limits": {
-            "contact_ratio": [gear_rules.MIN_CONTACT_RATIO, gear_rules.MAX_SPUR_CONTACT_RATIO],
-            "tip_land": gear_rules.MIN_TIP_LAND,
-            "root_clearance": gear_rules.MIN_ROOT_CLEARANCE,
-            "backlash": gear_rules.MAX_BACKLASH,
-        },
+        "limits": _limits(machine),
     }
+
+
+def _limits(machine: Any) -> dict[str, Any]:
+    """Limits of the design rules that the browser judges, in mm, um and MPa."""
+    vented = getattr(machine, "relief_grooves", None) is not None
+    limits: dict[str, Any] = {
+        "contact_ratio": [gear_rules.MIN_CONTACT_RATIO, gear_rules.MAX_SPUR_CONTACT_RATIO],
+        "tip_land": gear_rules.MIN_TIP_LAND,
+        "root_clearance": gear_rules.MIN_ROOT_CLEARANCE,
+        "backlash": gear_rules.MAX_BACKLASH,
+        "trapped": gear_rules.VENTED_SHARE if vented else gear_rules.ENCLOSED_SHARE,
+        "continuous_backlash": gear_rules.MAX_CONTINUOUS_BACKLASH,
+        "curvature": gear_rules.MIN_CURVATURE,
+        "overlap": gear_rules.OVERLAP_TOLERANCE,
+        "bearing": gear_rules.RELATIVE_CLEARANCE,
+        "cut": 1e6 * gear_rules.DEEPEST_CUT,
+        "port_contour": getattr(getattr(machine, "ports", None), "contour", None) is not None,
+    }
+    gears, casing = getattr(machine, "gears", None), getattr(machine, "casing", None)
+    if gears is not None and getattr(casing, "wear_in", None) is not None:
+        driven = getattr(getattr(machine, "driven_gear", None), "material", None)
+        materials = [
+            library_material(name, "machine.gears.material")
+            for name in (gears.material, driven or gears.material)
+        ]
+        limits |= {
+            "strength": [1e-6 * limit for limit in gear_rules.STRENGTH_LIMITS],
+            "modulus": 1e-6 * reduced_modulus(*materials),
+            "radial_load": gear_rules.RADIAL_LOAD_COEFFICIENT,
+            "atmosphere": 1e-6 * ATMOSPHERIC_PRESSURE,
+        }
+    return limits
 
 
 def _numbers(case: Case) -> Iterator[tuple[str, Any, float, bool]]:

@@ -118,8 +118,12 @@ def test_closed_forms_are_of_gears_given_by_numbers() -> None:
     assert found is not None
     assert found["kind"] == "external_gear"
     assert found["values"]["machine.gears.module"] == 2.75
-    assert closed_form_of(load_case("continuous_pump")) is None
+    assert found["limits"]["strength"] == [20.0, 100.0, 1500.0, 430.0]
     assert closed_form_of(load_case("egm12_motor_profile")) is None
+    continuous = closed_form_of(load_case("continuous_pump"))
+    assert continuous is not None
+    assert continuous["family"] == "arc_involute_arc"
+    assert "strength" not in continuous["limits"]  # no running-in, no condition to judge at
     rotors = closed_form_of(load_case("gerotor_trochoidal"))
     assert rotors is not None
     assert rotors["kind"] == "trochoidal"

@@ -1,6 +1,5 @@
 // The machine, drawn to scale from its tables: a canvas for metal and fluid, handles above it.
 import { by } from "./dom.js";
-import { gearOutline, rotorOutlines } from "./kinematics.js";
 import { text, toShown, unitShown } from "./units.js";
 
 const STOPS = [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]];
@@ -67,14 +66,14 @@ export class Machine {
     this.draw();
   }
   // bodies whose outlines are closed forms
-  follow({ teeth = [], trochoid, centers }) {
-    const bodies = this.section.bodies, outlines = trochoid ? rotorOutlines(trochoid) : teeth.map(gearOutline);
+  follow({ teeth, rotors, outlines, centers }) {
+    const bodies = this.section.bodies;
     centers.forEach((center, k) => { if (center && bodies[k]) bodies[k].center = center; });
-    outlines.forEach((outline, k) => {
+    outlines().forEach((outline, k) => {
       const body = bodies[k];
       if (!body) return;
-      if (trochoid && k) { body.outline = [body.outline[0], outline]; this.paths[k] = ring2path(body.outline); return; }
-      const a = trochoid ? 0 : body.phase ??= phaseOf(body.outline[0], teeth[k].z), [c, s] = [Math.cos(a), Math.sin(a)];
+      if (rotors && k) { body.outline = [body.outline[0], outline]; this.paths[k] = ring2path(body.outline); return; }
+      const a = rotors ? 0 : body.phase ??= phaseOf(body.outline[0], teeth[k]), [c, s] = [Math.cos(a), Math.sin(a)];
       this.paths[k] = ring2path([outline.map(([x, y]) => [x * c - y * s, x * s + y * c]), ...body.outline.slice(1)]);
     });
     this.draw();

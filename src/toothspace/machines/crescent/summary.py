@@ -170,6 +170,8 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     if pair is None:
         return []
     tip, trimmed, backlash = tip_clearance(pair), trimming_distance(assembly), pair.normal_backlash
+    if assembly.helix is not None:
+        backlash *= float(np.cos(assembly.helix.base_angle))
     first, second = pair.involute_margins
     # where both contacts stand alike about the pitch point, neither side may be reached
     sealed = 0.5 * pair.base_pitch * np.cos(pair.operating_pressure_angle)

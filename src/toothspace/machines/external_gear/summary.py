@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.advice.gear_rules import (
+    DEEPEST_CUT,
     MAX_CONTINUOUS_BACKLASH,
     MIN_CURVATURE,
     OVERLAP_TOLERANCE,
@@ -71,8 +72,6 @@ _SAME_HELIX = 0.02
 """Difference of the helix angle of a file, which is known to 1 %, from that of the case. [-]"""
 _ROUND_OFF = 1e-9
 _LARGEST_REST = 0.01
-DEEPEST_CUT = 0.127e-3
-"""Deepest track of the gears in a casing that is still used (Parker, 0.005 inch). [m]"""
 
 
 def geometry_summary(
@@ -89,7 +88,8 @@ def geometry_summary(
     """
     pair, distance = assembly.pair, assembly.mesh.center_distance
     if pair is None:
-        backlash = normal_play(assembly.profiles, distance)
+        gear = assembly.spec.continuous
+        backlash = normal_play(assembly.profiles, distance) if gear is None else gear.backlash
         undercut = any(undercut_of(gear) for gear in (assembly.spec.drive, assembly.spec.driven))
     else:
         backlash, undercut = pair.normal_backlash, any(form.undercut for form in pair.forms)
