@@ -248,8 +248,6 @@ WORDS: Mapping[str, str] = {
     "port_volume_flow": "flow taken up by ports and lines",
     "power_loss": "lost power",
     "pressure_along_spaces": "pressure difference along a tooth space",
-    "sealed_pinion_teeth": "pinion teeth that seal at the filler",
-    "sealed_ring_teeth": "ring teeth that seal at the filler",
     "sealed_shaft_angle": "shaft angle while a pocket is sealed",
     "smallest_relative_radius": "smallest relative radius of curvature",
     "startup_pressure": "start-up pressure",

@@ -464,5 +464,5 @@ async function route() {
   await attempt(() => showStart(open));
 }
 addEventListener("hashchange", route);
-keepWords(await ask("/api/words"));
+keepWords(await attempt(() => ask("/api/words")) ?? { names: {}, beginnings: {} });
 route();
