@@ -11,7 +11,7 @@ DEMO := demo_report
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo kernels test extras claims sample validate mutants bench docs lint format clean
+.PHONY: always help setup demo kernels test extras claims sample validate mutants bench docs lint format clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -28,12 +28,13 @@ setup: $(READY)  ## create the virtual environment
 
 demo: kernels  ## simulate the 12-tooth motor from parameters and from a CAD profile, with reports
 	mkdir -p $(DEMO)
-	$(BIN)/toothspace run cases/egm12_motor.toml -o $(DEMO)/egm12_motor.nc --force
-	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html --force
-	$(BIN)/toothspace run cases/egm12_motor_profile.toml -o $(DEMO)/egm12_motor_profile.nc --force
-	$(BIN)/toothspace report $(DEMO)/egm12_motor_profile.nc -o $(DEMO)/egm12_motor_profile.html --force
+	@$(MAKE) --no-print-directory $(filter --output-sync,$(.FEATURES:%=--%)) -j $(WORKERS) $(DEMO)/egm12_motor.html $(DEMO)/egm12_motor_profile.html
 	@printf '%s\n' "" "Open in a browser:" "  $(CURDIR)/$(DEMO)/egm12_motor.html" \
 		"  $(CURDIR)/$(DEMO)/egm12_motor_profile.html"
+
+$(DEMO)/%.html: always
+	$(BIN)/toothspace run cases/$*.toml -o $(DEMO)/$*.nc --force
+	$(BIN)/toothspace report $(DEMO)/$*.nc -o $@ --force
 
 kernels: $(READY)  ## compile all equations into the library that runs take them from
 	$(BIN)/python -m native.build

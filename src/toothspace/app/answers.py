@@ -8,13 +8,15 @@ from typing import Any, final
 import numpy as np
 
 from toothspace.api import describe, prepare, simulate
-from toothspace.app.drawing import rounded, turning
+from toothspace.app.drawing import cells_of, rounded
 from toothspace.case import Case
 from toothspace.core.files import plain
 from toothspace.core.finding import status_line
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
+from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
+from toothspace.plotting.section import section_at
 from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 from toothspace.results.variables import CURVES
@@ -239,11 +241,17 @@ def turning_answer(
     asked = angle[0] + np.arange(frames) / frames * description.pitch_angle
     pressure = np.asarray(data["chamber_pressure"])
     places = [int(np.argmin(np.abs(angle - one))) for one in asked]
+    # of teeth that wind, the section in the middle of their width
+    cuts = [section_at(description, float(one), 0.0) for one in asked]
+
+    def drawn(values: Array) -> list[list[float | None]]:
+        return [rounded(row[cut.chambers], 4) for row, cut in zip(values, cuts, strict=True)]
+
     found = {
         "shaft": [float(one) for one in asked],
         "angle": rounded(np.degrees(asked - angle[0])),
-        "cells": turning(description, asked),
-        "pressure": [rounded(row, 4) for row in pressure[places] / _BAR],
+        "cells": [cells_of(cut) for cut in cuts],
+        "pressure": drawn(pressure[places] / _BAR),
         "ports": {
             port: rounded(np.asarray(data[f"{port}_pressure"])[places] / _BAR, 4)
             for port in ("inlet", "outlet")
@@ -251,11 +259,10 @@ def turning_answer(
     }
     if "chamber_gas_fraction" in data:
         gas = np.asarray(data["chamber_gas_fraction"])[places]
-        found["gas"] = [rounded(100.0 * row, 4) for row in gas]
+        found["gas"] = drawn(100.0 * gas)
     if march is not None and len(march.states) == angle.size:
         states = replace(march, times=march.times[places], states=march.states[places], dense=None)
-        leaving = _LITRE_PER_MINUTE * chamber_leakage(states)
-        found["leakage"] = [rounded(row, 4) for row in leaving]
+        found["leakage"] = drawn(_LITRE_PER_MINUTE * chamber_leakage(states))
     if "body_force" in data:
         found["forces"] = {
             str(body): [rounded(row[:2], 4) for row in np.asarray(data["body_force"])[places, k]]

@@ -21,11 +21,13 @@ from toothspace.geometry.curve import enclosed
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.plotting.geometry import opening_area, openings_of
 from toothspace.plotting.section import (
+    SectionAt,
     fixed_parts,
     fluid_cells,
     housing_region,
     port_region,
     recess_outlines,
+    section_at,
 )
 
 DRAG_NODES = 180
@@ -96,7 +98,7 @@ def look(
 
 def section(description: MachineDescription, shaft_angle: float = 0.0) -> dict[str, Any]:
     """Outlines of the transverse section, in mm; bodies in their own frame."""
-    cells = description.chamber_outlines is not None
+    cut = section_at(description, shaft_angle, 0.0)
     return {
         "machine": description.name,
         "mode": description.mode,
@@ -117,16 +119,13 @@ def section(description: MachineDescription, shaft_angle: float = 0.0) -> dict[s
         "ports": {p: _rings(port_region(description, p)) for p in ("inlet", "outlet")},
         "recesses": {name: _points(line) for name, line in recess_outlines(description).items()},
         "fixed": _rings(fixed_parts(description)),
-        "cells": [_rings(c) for c in fluid_cells(description, shaft_angle)] if cells else [],
+        "cells": [] if cut.drawn.chamber_outlines is None else cells_of(cut, _DRAWN_ERROR),
     }
 
 
-def turning(description: MachineDescription, shaft_angles: Iterable[float]) -> list[list[Any]]:
-    """Outlines of all chambers at shaft angles [rad], in mm."""
-    return [
-        [_rings(cell, _TURNING_ERROR) for cell in fluid_cells(description, float(angle))]
-        for angle in shaft_angles
-    ]
+def cells_of(cut: SectionAt, error: float = _TURNING_ERROR) -> list[Any]:
+    """Outlines of the chambers of a section, in mm, within a deviation [m]."""
+    return [_rings(cell, error) for cell in fluid_cells(cut.drawn, cut.shaft_angle)]
 
 
 def openings(description: MachineDescription) -> list[dict[str, Any]]:

@@ -263,6 +263,18 @@ def test_a_changed_groove_answers_from_the_last_cyclic_state(client: Client) -> 
     assert content.startswith(b"shaft_angle [rad]")
 
 
+def test_teeth_that_wind_turn_in_the_middle_of_their_width(client: Client) -> None:
+    tables = client.design(case="helical_slices")["tables"]
+    tables["run"] = {"fidelity": "ideal"}
+    path = f"/api/designs/{client.design(tables=tables)['id']}"
+    _, answer = client.post(f"{path}/answer", {})
+    assert answer["done"]
+    _, shape = client.post(f"{path}/look", {})
+    _, turning = client.get(f"{path}/turning")
+    frames = {len(row) for row in (*turning["cells"], *turning["pressure"])}
+    assert frames == {len(shape["section"]["cells"])} != {0}
+
+
 def test_bearings_alone_and_cases_with_a_study_answer(client: Client) -> None:
     bearing = client.design(case="journal_bearing")
     code, found = client.post(f"/api/designs/{bearing['id']}/answer", {})
