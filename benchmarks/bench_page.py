@@ -10,20 +10,20 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import statistics
+import subprocess
 import sys
 import tempfile
-import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import psutil
 from playwright.sync_api import sync_playwright
-
-from toothspace.app.server import BenchServer
 
 TARGET = Path(__file__).parent / "results" / "bench_page.json"
 GROOVE = "machine.relief_grooves.closing_side_offset"
@@ -65,30 +65,55 @@ def until(page: Any, holds: str, longest: float = 120.0) -> None:
         page.wait_for_timeout(20)
 
 
-def processor_time() -> float:
+@contextmanager
+def served(folder: str) -> Iterator[tuple[psutil.Process, str]]:
+    """The server in a process of its own, and its address."""
+    command = [sys.executable, "-m", "toothspace", "app", folder, "--no-browser"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stderr is not None
+        told = (re.search(r"http://\S+", line) for line in running.stderr)
+        yield psutil.Process(running.pid), next(filter(None, told)).group()
+        running.terminate()
+
+
+def processes(server: psutil.Process) -> list[psutil.Process]:
+    """The server and what it started."""
+    return [server, *server.children(recursive=True)]
+
+
+def processor_time(server: psutil.Process) -> float:
     """Of the server and its processes, which does not hang on what else the computer does. [s]."""
-    own = psutil.Process()
-    every = [own, *(p for p in own.children(recursive=True) if "python" in p.name())]
-    return sum(p.cpu_times().user + p.cpu_times().system for p in every)
+    every = [p.cpu_times() for p in processes(server)]
+    return sum(times.user + times.system for times in every)
 
 
-def answer_cost(server: BenchServer, design: str, path: str) -> dict[str, float]:
-    """Processor time of drawings and answers, asked for without the page."""
-    bench = server.bench
-    value = next(handle for handle in bench.look(design, {})["handles"] if handle["path"] == path)
+def asked(page: Any, path: str, given: dict[str, Any]) -> Any:
+    """What the server answers to the page."""
+    return page.evaluate(
+        "async ([path, given]) => (await fetch(path, {method: 'POST', "
+        "body: JSON.stringify(given)})).json()",
+        [path, given],
+    )
+
+
+def answer_cost(page: Any, server: psutil.Process, design: str, path: str) -> dict[str, float]:
+    """Processor time of drawings and answers, asked for beside the page."""
+    own = f"/api/designs/{design}"
+    handles = asked(page, f"{own}/look", {})["handles"]
+    value = next(handle for handle in handles if handle["path"] == path)
     costs: dict[str, list[float]] = {"look": [], "answer": [], "full": []}
+
+    def cost(kind: str, where: str, given: dict[str, Any]) -> None:
+        started = processor_time(server)
+        asked(page, f"{own}/{where}", given)
+        costs[kind].append(processor_time(server) - started)
+
     for k in range(CHANGES):
         given = {path: f"{value['value'] * (1.0 - 0.01 * (k + 1)):.6g} {value['unit']}"}
-        started = processor_time()
-        bench.look(design, {"values": given, "drag": True})
-        costs["look"].append(processor_time() - started)
-        bench.change(design, {"values": given})
-        started = processor_time()
-        bench.answer(design, {})
-        costs["answer"].append(processor_time() - started)
-    started = processor_time()
-    bench.answer(design, {"full": True})
-    costs["full"].append(processor_time() - started)
+        cost("look", "look", {"values": given, "drag": True})
+        asked(page, f"{own}/change", {"values": given})
+        cost("answer", "answer", {})
+    cost("full", "answer", {"full": True})
     return {f"{name}_processor_s": round(statistics.median(c), 3) for name, c in costs.items()}
 
 
@@ -140,15 +165,16 @@ def measure(page: Any, name: str, path: str, dragged: str) -> dict[str, Any]:
 
 def main(names: Sequence[str] = ()) -> None:
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as running:
-        server = BenchServer(Path(folder))
-        thread = threading.Thread(target=server.serve, daemon=True)
-        thread.start()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        sync_playwright() as running,
+        served(folder) as (server, address),
+    ):
         chromium = running.chromium.launch(executable_path=browser, args=ARGUMENTS)
         page = chromium.new_page(viewport={"width": 1400, "height": 900})
         page.set_default_timeout(120_000)
         began = time.perf_counter()
-        page.goto(server.address)
+        page.goto(address)
         page.wait_for_selector("#questions .card")
         found: dict[str, Any] = {
             "cores": os.cpu_count(),
@@ -160,13 +186,14 @@ def main(names: Sequence[str] = ()) -> None:
         for name in names or MACHINES:
             path, dragged = MACHINES[name]
             found[name] = measure(page, name, path, dragged)
-            page.goto(server.address.partition("?")[0])  # nothing asks meanwhile
+            page.goto(address.partition("?")[0])  # nothing asks meanwhile
             page.wait_for_selector("#questions .card")
-            newest = server.bench.workspace.designs()[0]["id"]
-            found[name] |= answer_cost(server, newest, path)
+            newest = page.evaluate(
+                "async () => (await (await fetch('/api/start')).json()).designs[0].id"
+            )
+            found[name] |= answer_cost(page, server, newest, path)
             print(name, found[name], flush=True)
-        own = psutil.Process()
-        page.goto(server.address.partition("?")[0] + f"#{newest}")
+        page.goto(address.partition("?")[0] + f"#{newest}")
         page.reload()
         until(page, "bench.answers.length > 0")
         for _ in range(RUNS):
@@ -174,14 +201,12 @@ def main(names: Sequence[str] = ()) -> None:
             page.locator(f".dimension[data-path='{path}'] input[type=text]").focus()
             page.keyboard.press("ArrowDown")
             until(page, f"bench.answers.length > {count}")
-        shown = [p for p in own.children(recursive=True) if "--type=renderer" in p.cmdline()]
+        own = psutil.Process().children(recursive=True)
+        shown = [p for p in own if "--type=renderer" in p.cmdline()]
+        sizes = [p.memory_full_info().pss / 1e6 for p in processes(server)]
         found["page_memory_MB"] = round(max(p.memory_full_info().pss for p in shown) / 1e6)
-        found["server_memory_MB"] = round(own.memory_full_info().pss / 1e6)
-        processes = [own, *(p for p in own.children(recursive=True) if "python" in p.name())]
-        found["memory_MB"] = round(sum(p.memory_full_info().pss for p in processes) / 1e6)
+        found["server_memory_MB"], found["memory_MB"] = round(sizes[0]), round(sum(sizes))
         chromium.close()
-        server.stop()
-        thread.join(20.0)
     TARGET.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(found, indent=2))
 

@@ -102,6 +102,9 @@ def test_a_dragged_groove_lowers_the_peak(page: Any) -> None:
     assert 2.9 < float(value.removesuffix(" mm")) < 3.4
     assert page.evaluate("bench.answer.numbers.max_chamber_pressure_bar") < before - 5.0
     assert "from before" in page.inner_text("#tiles")
+    # a label in a designer's words, the key behind it
+    vapour = page.locator(".tile[title='cavitation_index_W']")
+    assert "Power of collapsing vapour" in vapour.inner_text()
     until(page, "Array.isArray(bench.answer.findings)")
     # a reload loses nothing, and a second tab sees the same
     address = page.url

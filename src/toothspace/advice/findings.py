@@ -54,6 +54,10 @@ class JudgedLimit(NamedTuple):
     """Where the limit comes from."""
     advice: str = ""
     """What to do where it is exceeded."""
+    excess: float = 1.0
+    """Part of the limit by which it is missed; of cavitation its share of all losses; 1 where
+    neither is known. [-]
+    """
 
     @property
     def exceeded(self) -> bool:
@@ -68,6 +72,7 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     summary = solution.summary()
     power = float(summary["cavitation_index_W"])
     share = power / max(abs(float(summary["hydraulic_power_W"])), 1e-12)
+    losses = sum(loss.power for loss in loss_causes(solution.ledger))
     data = solution.data
     high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
     peak = float(extremes(data, "chamber_pressure")[1].max())
@@ -97,6 +102,7 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
             "met" if power == 0.0 else "exceeded",
             "potential energy of cavities, Fortes-Patella, Reboud, Briancon-Marjollet (2004)",
             _FILLED,
+            power / losses if losses > 0.0 else 1.0,
         ),
     ]
     if description is None:
@@ -112,7 +118,8 @@ def _judged(
 ) -> JudgedLimit:
     verdict = "met" if value <= limit else "exceeded"
     found, allowed = f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}"
-    return JudgedLimit(label, found, allowed, verdict, source, advice)
+    excess = value / limit - 1.0 if limit > 0.0 else 1.0
+    return JudgedLimit(label, found, allowed, verdict, source, advice, excess)
 
 
 def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
@@ -149,6 +156,7 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[J
             "met" if full else "exceeded",
             "full film, Hamrock, Schmid, Jacobson (2004)",
             _FLOATED,
+            _FULL_FILM / max(ratio, 1e-12) - 1.0,
         )
         force = np.linalg.norm(np.asarray(data["journal_force"].sel(body=journal.body)), axis=1)
         load = float(np.mean(force)) / (journal.count * journal.diameter * journal.length) / _MPA
@@ -205,7 +213,8 @@ def findings_of(
 ) -> tuple[Finding, ...]:
     """List what a reader should know before trusting a result or building its machine.
 
-    Serious ones first; each sentence once.
+    Serious ones first; among those, limits by how far they are missed, then rules, then what is
+    slight; each sentence once.
 
     Parameters
     ----------
@@ -217,6 +226,7 @@ def findings_of(
         Why there is no machine.
     """
     limits = [limit_finding(x) for x in limits_of(solution, description) if x.exceeded]
+    limits.sort(key=lambda finding: -finding.weight)
     rules = () if description is None else description.checks
     # begins of cavitation, where no limit tells it by its power
     count = sum(event.kind == "cavitation_onset" for event in solution.events)
@@ -241,7 +251,9 @@ def findings_of(
         *([Finding("warning", note, severity="note")] if note else ()),
     ]
     once = {finding.sentence: finding for finding in reversed(found)}
-    return tuple(sorted(reversed(once.values()), key=lambda x: _ORDER.index(x.severity)))
+    return tuple(
+        sorted(reversed(once.values()), key=lambda x: (_ORDER.index(x.severity), x.slight))
+    )
 
 
 def limit_finding(limit: JudgedLimit) -> Finding:
@@ -253,6 +265,7 @@ def limit_finding(limit: JudgedLimit) -> Finding:
         found=limit.value,
         allowed=limit.allowed,
         advice=limit.advice,
+        weight=limit.excess,
     )
 
 
@@ -318,19 +331,25 @@ def verdict(solution: Solution) -> str:
 
 
 def change_first(solution: Solution, findings: Sequence[Finding]) -> str:
-    """Return in one or two sentences what to change first: what is wrong, else the largest loss."""
-    for severity in ("serious", "caution"):
-        for finding in findings:
-            if finding.severity == severity:
-                return finding.sentence
+    """Return in one or two sentences what to change first: what is wrong, else the largest loss.
+
+    What is slight is named, but is nothing to change first.
+    """
+    judged = [finding for finding in findings if finding.severity != "note"]
+    for finding in sorted(judged, key=lambda x: _ORDER.index(x.severity)):
+        if not finding.slight:
+            return finding.sentence
+    told = "Nothing has to be changed: all limits and design rules are met."
+    if judged:
+        missed = "; ".join(f"{finding.quantity}: {finding.found}" for finding in judged)
+        told = f"Nothing has to be changed first: what is beyond its limit is slight ({missed})."
     losses = sorted(loss_causes(solution.ledger), key=lambda loss: -loss.power)
     if not losses:
-        return "Nothing: all limits and design rules are met."
+        return told if judged else "Nothing: all limits and design rules are met."
     worst = losses[0]
     return (
-        "Nothing has to be changed: all limits and design rules are met. The largest loss is "
-        f"{worst.cause}, {worst.label}: {worst.power:.3g} W, {100.0 * worst.share:.2g} % of the "
-        "power supplied."
+        f"{told} The largest loss is {worst.cause}, {worst.label}: {worst.power:.3g} W, "
+        f"{100.0 * worst.share:.2g} % of the power supplied."
     )
 
 

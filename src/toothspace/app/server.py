@@ -27,6 +27,7 @@ from toothspace.case.conditions import InterfaceChoice
 from toothspace.case.presets import INTERFACES, MODELS, PRESETS
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.registry import machine_type_names, optional_function
+from toothspace.results.variables import BY_LABEL, WORDS
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -144,6 +145,10 @@ class Bench:
         if self._schema is None:
             self._schema = self._look("schema")
         return self._schema
+
+    def words(self) -> dict[str, Any]:
+        """Names of numbers for a reader, where those of the key would not tell."""
+        return {"names": dict(WORDS), "beginnings": dict(BY_LABEL)}
 
     def fidelities(self) -> dict[str, Any]:
         """Presets, the models of every interface in each, and what a run costs with it."""
@@ -513,6 +518,7 @@ def application(bench: Bench) -> Any:
             Route("/api/files/{name}", upload, methods=["PUT"]),
             route("/api/start", bench.start),
             route("/api/schema", bench.schema),
+            route("/api/words", bench.words),
             route("/api/fidelities", bench.fidelities),
             route("/api/designs", bench.new_design, "POST"),
             route(one, bench.design),

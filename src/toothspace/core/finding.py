@@ -8,6 +8,9 @@ from typing import Literal, final
 
 from toothspace.core.status import Status
 
+SLIGHT = 1e-3
+"""Part of a limit, or of all losses, below which nothing is to be changed for it first. [-]"""
+
 
 @final
 @dataclass(frozen=True)
@@ -32,6 +35,15 @@ class Finding:
     """
     advice: str = ""
     """What to do, or why it matters; empty if the text says it."""
+    weight: float = 1.0
+    """How much it matters: for a limit the part by which it is missed, for cavitation its share of
+    all losses; 1 where neither is known. [-]
+    """
+
+    @property
+    def slight(self) -> bool:
+        """Whether it is too small to be what to change first."""
+        return self.weight < SLIGHT
 
     def __str__(self) -> str:
         return f"{self.kind.capitalize()}: {self.sentence}"
@@ -41,7 +53,7 @@ class Finding:
         """What was found and what to do."""
         return f"{self.text} {self.advice}".rstrip()
 
-    def to_dict(self) -> dict[str, str]:
+    def to_dict(self) -> dict[str, str | float]:
         """All fields by name, as they stand in JSON."""
         return asdict(self)
 

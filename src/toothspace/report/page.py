@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from toothspace.results.variables import stem_and_unit
+from toothspace.results.variables import unit_of, words_of
 
 TEMPLATES = Path(__file__).parent / "templates"
 _TYPOGRAPHY = (("degC", "°C"), ("deg", "°"), ("um", "µm"), ("m2", "m²"), ("m3", "m³"))
@@ -38,8 +38,7 @@ class LabelledNumber(NamedTuple):
 
 def quantity(name: str, value: object) -> LabelledNumber:
     """Split a name such as ``mean_flow_L_per_min`` into label and unit, and format its value."""
-    stem, unit = stem_and_unit(name)
-    text = stem.replace("_", " ")
+    text, unit = words_of(name), unit_of(name)
     label = text[:1].upper() + text[1:]
     if unit == "1":
         if not name.endswith("_efficiency") or not isinstance(value, float):

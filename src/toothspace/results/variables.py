@@ -220,8 +220,41 @@ OVER_TIME = (
     "loss_energy_J", "electric_energy_J", "drive_loss_energy_J", "real_time_factor",
 )  # fmt: skip
 """Of a run with a circuit."""
-BY_LABEL = ("leakage_", "pressure_leakage_", "drag_leakage_", "torque_loss_", "power_loss_")
-"""Beginnings of the names that end with a path or a mechanism of the machine."""
+BY_LABEL: Mapping[str, str] = {
+    "leakage_": "leakage", "pressure_leakage_": "leakage by pressure",
+    "drag_leakage_": "leakage by drag", "torque_loss_": "torque lost", "power_loss_": "power lost",
+}  # fmt: skip
+"""Beginnings of the names that end with a path or a mechanism of the machine, in words."""
+WORDS: Mapping[str, str] = {
+    "axial_force": "axial force on the gears",
+    "breakaway_time": "time to breakaway",
+    "cavitation_index": "power of collapsing vapour",
+    "compression_flow": "flow lost to compression",
+    "contact_span": "span of loaded contacts in pitches",
+    "dead_volume": "volume carried back by the mesh",
+    "encapsulated_volume": "volume enclosed in the roots",
+    "face_twist": "twist over the face width",
+    "gas_flow": "flow lost to free gas",
+    "highest_film_temperature": "temperature of the warmest film",
+    "kinematic_land_max_half_angle": "half land at the largest pocket, kinematic",
+    "kinematic_land_min_half_angle": "half land at the smallest pocket, kinematic",
+    "loaded_contacts_three_or_more": "share of a turn with three or more loaded contacts",
+    "loaded_contacts_two_or_more": "share of a turn with two or more loaded contacts",
+    "lost_flow": "lost flow, all causes",
+    "max_running_pressure": "highest pressure while running",
+    "mean_loaded_contacts": "loaded contacts on average",
+    "mesh_exchange_flow": "flow exchanged in the mesh and by port timing",
+    "no_undercut_limit": "largest lobe radius without undercut",
+    "port_volume_flow": "flow taken up by ports and lines",
+    "power_loss": "lost power",
+    "pressure_along_spaces": "pressure difference along a tooth space",
+    "sealed_shaft_angle": "shaft angle while a pocket is sealed",
+    "smallest_relative_radius": "smallest relative radius of curvature",
+    "startup_pressure": "start-up pressure",
+    "startup_pressure_ratio": "start-up pressure over that of running",
+    "startup_to_settled_ratio": "start-up pressure over the settled one",
+}  # fmt: skip
+"""Names without their unit for a reader, where the words of the key would not tell."""
 UNITS: Mapping[str, str] = {
     "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
     "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
@@ -358,10 +391,18 @@ def unit_of(name: str) -> str:
     return stem_and_unit(name)[1]
 
 
+def words_of(name: str) -> str:
+    """Return a name for a reader without its unit, such as ``mean flow``."""
+    stem, _ = stem_and_unit(name)
+    beginning = max((b for b in BY_LABEL if stem.startswith(b)), key=len, default="")
+    if stem in WORDS or not beginning:
+        return WORDS.get(stem, stem.replace("_", " "))
+    return f"{BY_LABEL[beginning]}, {stem.removeprefix(beginning).replace('_', ' ')}"
+
+
 def label_of(name: str) -> str:
     """Return a name with its unit for a reader, such as ``mean flow (L/min)``."""
-    stem, unit = stem_and_unit(name)
-    words = stem.replace("_", " ")
+    words, unit = words_of(name), stem_and_unit(name)[1]
     return words if unit == "1" else f"{words} ({unit})"
 
 
@@ -384,6 +425,6 @@ def require_known(wanted: Mapping[str, str], label: str, *, over_time: bool) -> 
     """
     known = OVER_TIME if over_time else STEADY
     for key, name in wanted.items():
-        if name not in known and (over_time or not name.startswith(BY_LABEL)):
+        if name not in known and (over_time or not name.startswith(tuple(BY_LABEL))):
             allowed = suggestion(name, known)
             raise CaseError(f"{key}", f"{name!r}, which is no result", allowed).in_file(label)

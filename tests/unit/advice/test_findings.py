@@ -12,7 +12,7 @@ import pytest
 import toothspace as ts
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api
-from toothspace.advice.findings import findings_of
+from toothspace.advice.findings import CAVITATION, findings_of
 from toothspace.app.answers import shown as shown_in_page
 from toothspace.case import Case, load_case
 from toothspace.cli import main
@@ -21,6 +21,7 @@ from toothspace.core.status import Event, Status
 from toothspace.report.comparison import Comparison
 from toothspace.report.html import document_lines, report_contents, report_html
 from toothspace.results.credibility import with_warnings
+from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 
 MOTOR = Path(__file__).resolve().parents[3] / "cases" / "egm12_motor.toml"
@@ -150,6 +151,30 @@ def test_cavitation_is_told_by_its_power_or_else_by_its_events() -> None:
     data = solution.data.assign(chamber_vapour_fraction=vapour)
     (seen,) = told(replace(solution, data=data))
     assert "no vapour" in seen
+
+
+def test_limits_stand_by_how_far_they_are_missed_and_slight_vapour_last() -> None:
+    """Power of collapsing vapour counts with its share of all losses."""
+    made = fake_solution()
+    peak = made.data["chamber_pressure"] * 0.0 + 900e5
+    collapse = made.data["outlet_pressure"].mean() * 0.0
+
+    def order(power: float) -> list[tuple[str, float]]:
+        data = made.data.assign(chamber_pressure=peak, vapour_collapse_power=collapse + power)
+        found = findings_of(replace(made, data=data), fake_description())
+        return [(x.quantity, x.weight) for x in found if x.severity == "caution"]
+
+    losses = sum(loss.power for loss in loss_causes(made.ledger))
+    much, little = order(0.2 * losses), order(1e-4 * losses)
+    weights = dict(much)
+    assert weights[CAVITATION] == pytest.approx(0.2)
+    highest = max(float(made.data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
+    assert weights["Highest chamber pressure"] == pytest.approx(900e5 / (1.5 * highest) - 1.0)
+    names = [name for name, _ in much]
+    assert names.index("Highest chamber pressure") < names.index(CAVITATION)
+    assert names.index(CAVITATION) < names.index("Tip land")  # a rule
+    assert little[-1] == (CAVITATION, pytest.approx(1e-4))
+    assert len(little) == len(much)
 
 
 def test_without_a_machine_the_list_says_why(solution: ts.Solution) -> None:

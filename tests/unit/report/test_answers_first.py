@@ -43,6 +43,18 @@ def test_the_first_change_is_the_worst_finding() -> None:
     assert "Nothing" in change_first(replace(fake_solution(), ledger=without), ())
 
 
+def test_what_is_slight_is_told_but_not_what_to_change_first() -> None:
+    slight = Finding(
+        "limit", "Vapour.", quantity="Power of vapour", found="0.03 W", weight=5e-5, advice="Fill."
+    )
+    told = change_first(fake_solution(), [slight])
+    assert told.startswith("Nothing has to be changed first")
+    assert "Power of vapour: 0.03 W" in told
+    assert "largest loss" in told
+    rule = Finding("rule", "Thin.", advice="Thicken it.")
+    assert change_first(fake_solution(), [slight, rule]) == "Thin. Thicken it."
+
+
 def test_a_study_names_its_best_points() -> None:
     head = ("machine.casing.radial_clearance (um)", "overall_efficiency", "pressure_ripple_bar")
     rows = (("10 um", 0.90, 5.0), ("20 um", 0.92, 5.0), ("30 um", 0.91, float("nan")))

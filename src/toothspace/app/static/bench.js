@@ -7,7 +7,7 @@ import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
 import { grooveOpenings } from "./openings.js";
 import { showStart } from "./start.js";
-import { factor, fixed, fromShown, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
+import { factor, fixed, fromShown, keepWords, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
 const TAB = Math.random().toString(36).slice(2);
 const QUIET = 300, SETTLE = 1500;
@@ -464,4 +464,5 @@ async function route() {
   await attempt(() => showStart(open));
 }
 addEventListener("hashchange", route);
+keepWords(await attempt(() => ask("/api/words")) ?? { names: {}, beginnings: {} });
 route();

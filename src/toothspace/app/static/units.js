@@ -28,9 +28,13 @@ export const fixed = (value, places) => units.numbers === "1,5" ? value.toFixed(
 // a text of the program with values in its units, in those of the user
 export const pretty = told => told.replace(/(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?) (bar|mm2|mm3|mm|um|degC|deg|L\/min)\b/g, (_, value, unit) => `${text(toShown(Number(value), unit))}${unit === "deg" ? "" : " "}${unitShown(unit)}`);
 export const number = given => Number(String(given).trim().replace(/\s/g, "").replace(",", "."));
+// names of numbers where the words of the key would not tell, from the program's own table
+let told = { names: {}, beginnings: {} };
+export function keepWords(found) { told = found; }
 export function named(key) {
-  const [suffix, unit] = SUFFIXES.find(([s]) => key.endsWith(s)) ?? ["", ""];
-  const words = key.slice(0, key.length - suffix.length).replace(/_/g, " ");
+  const [suffix, unit] = SUFFIXES.find(([s]) => key.endsWith(s)) ?? ["", ""], stem = key.slice(0, key.length - suffix.length);
+  const beginning = Object.keys(told.beginnings).filter(b => stem.startsWith(b)).sort((a, b) => b.length - a.length)[0];
+  const words = told.names[stem] ?? (beginning ? `${told.beginnings[beginning]}, ${stem.slice(beginning.length)}` : stem).replace(/_/g, " ");
   return { label: words[0].toUpperCase() + words.slice(1), unit };
 }
 export function settingsForm(form, done) {
