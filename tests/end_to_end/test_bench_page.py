@@ -581,6 +581,16 @@ def test_the_opening_diagram_follows_the_pointer(page: Any) -> None:
     assert page.evaluate("bench.shape.section.bodies.length") == 2
     page.mouse.up()
     until(page, "bench.cut === null && bench.answer.version === bench.design.version")
+    assert "Drive gear, relief grooves" in page.inner_text("#openings")
+    # another machine is not held against this one, and is called by its own names
+    page.goto(page.url.partition("#")[0])
+    begin(page, "Gerotor")
+    page.click("#tabs [data-name=geometry]")
+    until(page, "document.querySelectorAll('#geometry-tiles .tile').length > 2")
+    tiles = page.inner_text("#geometry-tiles")
+    assert "Kinematic flow ripple" in tiles
+    assert "from before" not in tiles
+    assert page.inner_text("#openings-of") == "Open areas of one pocket"
 
 
 @pytest.mark.slow
