@@ -3,7 +3,17 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from tests.stiff_problems import HIRES, KINK, LINEAR, RING, ROBERTSON, VAN_DER_POL, Run, plain_rhs
+from tests.stiff_problems import (
+    HIRES,
+    KINK,
+    LINEAR,
+    RELAY,
+    RING,
+    ROBERTSON,
+    VAN_DER_POL,
+    Run,
+    plain_rhs,
+)
 from toothspace.numerics.ndf_types import DONE
 
 
@@ -30,6 +40,30 @@ def _error_with_fixed_step(order, step):
 def test_each_formula_has_its_order(order):
     coarse, fine = _error_with_fixed_step(order, 1 / 32), _error_with_fixed_step(order, 1 / 64)
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize(("worst", "grows"), [(0.0, True), (0.7, False)])
+def test_after_a_failure_a_step_grows_by_the_largest_error_since(worst, grows):
+    """A step that agrees by chance among others that hardly pass lets nothing grow."""
+    run = Run(LINEAR, _exact_linear(0.0), 1e-4, 1e-4, max_step=1.0)
+    first = run.state.control["step"][0]
+    run.state.control["worst"] = worst
+    assert run.to(1.5 * first) == DONE
+    assert run.count("steps") == 2
+    assert run.count("rejected") == 0
+    planned = run.state.control["next_step"][0] / first
+    assert planned > 2.0 if grows else planned <= 1.0
+    assert run.state.control["worst"][0] == 0.0
+
+
+def test_a_failed_step_is_remembered():
+    """The derivative jumps at t = 1, where a step fails."""
+    run = Run(RELAY, [0.0], 1e-6, 1e-6, max_step=0.3)
+    assert run.to(0.9) == DONE
+    while run.count("rejected") == 0:
+        assert run.state.control["worst"][0] == 0.0
+        assert run.to(run.state.control["time"][0] + 1e-9) == DONE
+    assert run.state.control["worst"][0] == run.state.control["error"][0] > 0.0
 
 
 def _reference(kind, y0, t_end, absolute):

@@ -10,7 +10,11 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import inlined
 
 _SLIDE_ROUNDING = 1e-4
-"""Slide to roll ratio that rounds the traction at pure rolling: regularisation. [-]"""
+"""Slide to roll ratio that rounds the traction at pure rolling, and below which no film however
+thick grips whole: regularisation, less than the elastic creep of two cylinders. [-]"""
+
+_LEAST_SLIDE = (2.0**0.405 - 1.0) * _SLIDE_ROUNDING**0.81
+"""Factor of sliding at that ratio. [-]"""
 
 _REST_SPEED = 1e-6
 """Speed that keeps the slide to roll ratio finite at rest: regularisation. [m/s]"""
@@ -42,7 +46,7 @@ def traction_coefficient(
     load_number: float,
     material_number: float,
     limiting_shear: float,
-) -> tuple[float, float, float, float]:
+) -> tuple[float, float, float, float, float]:
     r"""Traction coefficient of an elastohydrodynamic line contact (Jacobson and Hamrock).
 
     Parameters
@@ -65,9 +69,12 @@ def traction_coefficient(
     by_newtonian : float
         Its derivative by the Newtonian coefficient :math:`\mu_1`, one below the limit. [-]
     grip : float
-        The Newtonian coefficient over its factor of sliding. [-]
+        The Newtonian coefficient over its factor of sliding, at most that which reaches the limit
+        at a slide ratio of 1e-4. [-]
     slide : float
         That factor, :math:`(U^*)^{0.81}`. [-]
+    firmer : float
+        1 where the grip grows with load and viscosity, 0 where it is the largest. [-]
 
     Notes
     -----
@@ -75,24 +82,31 @@ def traction_coefficient(
 
     and :math:`\mu = \mu_1` up to :math:`0.8\gamma`, beyond it
     :math:`\mu = 0.8\gamma + 0.021 \tanh(\mu_1/\gamma - 0.8)`. The power of the slide ratio is
-    rounded below 1e-4. Validity: full film, isothermal, rectangular contact.
+    rounded below 1e-4. At hard loads :math:`\mu_1` is so steep that its limit stood at a slide
+    ratio of 1e-14: a step, at which no time step ends. Two cylinders creep elastically by about
+    :math:`\mu a / R` before they slide [2]_, more than 1e-4 at such loads; that the limit is not
+    reached before 1e-4 is our assumption. Validity: full film, isothermal, rectangular contact.
 
     References
     ----------
     .. [1] B. O. Jacobson, B. J. Hamrock, "Non-Newtonian fluid model incorporated into
        elastohydrodynamic lubrication of rectangular contacts", J. Tribology 106, 1984, 275-284.
+    .. [2] F. W. Carter, "On the action of a locomotive driving wheel", Proc. Royal Society A 112,
+       1926, 151-157.
     """
     rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
     slide = rounded**0.405 - _SLIDE_ROUNDING**0.81
     # one exponential for the powers, whose logarithms the film thickness has too
     loaded = np.log(load_number) + 2.0 * np.log(np.maximum(material_number, _LEAST))
     grip = 0.671e-6 * np.exp(0.26 * np.log(speed_number) + 3.32 * loaded)
+    cap, firmer = 0.8 * limiting_shear, 1.0
+    if grip * _LEAST_SLIDE > cap:
+        grip, firmer = cap / _LEAST_SLIDE, 0.0
     traction, slope = grip * slide, 1.0
-    cap = 0.8 * limiting_shear
     if traction > cap:
         bend = np.tanh(traction / limiting_shear - 0.8)
         traction, slope = cap + 0.021 * bend, 0.021 * (1.0 - bend * bend) / limiting_shear
-    return traction, slope, grip, slide
+    return traction, slope, grip, slide, firmer
 
 
 @inlined
@@ -219,13 +233,13 @@ def mesh_friction(
     material_number = fluid.pressure_viscosity * surface.effective_modulus
     film = film_thickness_dowson_higginson(0.5 * speed_number, material_number, load_number)
     share, exponent = boundary_share(film * relative_radius / surface.roughness)
-    traction, slope, grip, slide = traction_coefficient(
+    traction, slope, grip, slide, firmer = traction_coefficient(
         slide_ratio, speed_number, load_number, material_number, surface.limiting_shear
     )
     sign = np.sign(sliding_speed)
     rise = np.tanh(sliding_speed / _BOUNDARY_SPEED)
     boundary = surface.boundary_friction * rise
-    by_load = (1.0 - share) * sign * slope * 3.32 * grip * slide
+    by_load = (1.0 - share) * sign * slope * firmer * 3.32 * grip * slide
     by_load += 0.13 * 1.2 * exponent * share * (boundary - sign * traction)
     by_sliding = share * surface.boundary_friction * (1.0 - rise * rise) / _BOUNDARY_SPEED
     if slide_ratio < 1.0:

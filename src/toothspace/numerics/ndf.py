@@ -208,6 +208,7 @@ def bind(callbacks: NdfCallbacks) -> NdfFunctions:
         control.time = control.valid_until = t0
         control.order = control.next_order = 1
         control.equal_steps = control.pending = control.rate_known = control.carried_lately = 0
+        control.worst = 0.0
         start, slope = state.differences[0], state.work[4]
         weights(t0, start, params, state.weights)
         rhs(t0, start, params, slope)

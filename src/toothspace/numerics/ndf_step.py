@@ -183,6 +183,11 @@ LEAST_GROWTH = 1.15
 LEAST_CUT = 0.9
 MOST_GROWTH = 8.0
 
+# After a step that failed, the step grows by the largest error since: a stiff part that rings from
+# the cut meets the polynomial by chance in one of the steps, and a step that grows then lets it
+# ring again, for ever.
+JUST_FAILED = 1e-30
+
 
 @summing_kernel
 def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float:
@@ -445,6 +450,7 @@ def _reject(settings: NdfSettings, state: NdfState, error: float) -> None:
     """Cut the step after a failed error test, to a lower order if that is better."""
     control = state.control[0]
     order = control.order
+    control.worst = JUST_FAILED
     ratio = max(0.1, error ** (-1.0 / (order + 1)) / SAFETY[1])
     if control.failures > 0:
         _cut_step(state, min(ratio, 0.5))
@@ -494,8 +500,11 @@ def _move(settings: NdfSettings, state: NdfState, error: float) -> None:
         control.carried_lately = JACOBIAN_AGE
     if control.rate_known == 1 and control.rate > SLOW_RATE:
         control.jacobian_age += JACOBIAN_AGE
+    if control.worst > 0.0:
+        control.worst = max(control.worst, error)
     if control.equal_steps > order:
-        _plan(settings, state, error)
+        _plan(settings, state, max(error, control.worst))
+        control.worst = 0.0
 
 
 @kernel
@@ -509,7 +518,7 @@ def _plan(settings: NdfSettings, state: NdfState, error: float) -> None:
         lower = _growth(_difference_error(settings, state, order - 1), order - 1, SAFETY[0])
         if lower > best:
             best, best_order = lower, order - 1
-    if order < settings.highest_order:
+    if order < settings.highest_order and control.worst == 0.0:
         higher = _growth(_difference_error(settings, state, order + 1), order + 1, SAFETY[2])
         if higher > best:
             best, best_order = higher, order + 1

@@ -41,6 +41,7 @@ CONTROL = np.dtype(
         ("rate", "f8"),
         ("rate_size", "f8"),
         ("error", "f8"),
+        ("worst", "f8"),
         ("old_size", "f8"),
         ("gamma_factored", "f8"),
         ("order", "i8"),

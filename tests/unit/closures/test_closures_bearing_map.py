@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from toothspace.closures.bearing_map import JournalMap, build_journal_map, journal_force
+from toothspace.films.journal.map import _DIRECTIONS, _GAP_STEPS, _scaled
 
 
 def force_at(state: np.ndarray, speed: float, journal_map: JournalMap) -> np.ndarray:
@@ -120,3 +121,19 @@ def test_film_takes_energy_out_of_any_motion(journal_map: JournalMap) -> None:
         v = rng.normal(size=2)
         state = np.array([size * np.cos(angle), size * np.sin(angle), *v])
         assert force_at(state, 0.0, journal_map)[:2] @ v <= 0.0
+
+
+def test_a_map_of_solved_films_that_are_the_closed_form_is_its_map(journal_map: JournalMap) -> None:
+    """Between its nodes too; half the ratio of solved to closed form is half the force."""
+    ratio = np.ones((_GAP_STEPS.size, _DIRECTIONS.size), dtype=complex)
+    same = journal_map._replace(nodes=_scaled(journal_map.nodes, journal_map.logarithm_step, ratio))
+    half = journal_map._replace(
+        nodes=_scaled(journal_map.nodes, journal_map.logarithm_step, 0.5 * ratio)
+    )
+    for ecc in (0.33, 0.81):
+        for direction in np.linspace(0.04, 2.0 * np.pi, 23):
+            state = np.array([ecc, 0.0, np.cos(direction), np.sin(direction)])
+            expected = force_at(state, 0.0, journal_map)
+            size = np.hypot(*expected[:2])
+            assert np.hypot(*(force_at(state, 0.0, same) - expected)[:2]) < 2e-3 * size
+            assert np.hypot(*(force_at(state, 0.0, half) - 0.5 * expected)[:2]) < 2e-3 * size

@@ -40,7 +40,7 @@ def numbers(force: float, slide: float) -> tuple[float, float, float, float]:
 def test_traction_of_a_loaded_mesh_is_the_limit(limiting: float, expected: float) -> None:
     """0.8 gamma + 0.021 for every load above 200 N."""
     for force in (200.0, 1000.0):
-        traction, _, _, _ = traction_coefficient(*numbers(force, 0.3), limiting)
+        traction, *_ = traction_coefficient(*numbers(force, 0.3), limiting)
         assert traction == pytest.approx(expected, abs=5e-4)
 
 
@@ -49,7 +49,7 @@ def test_traction_of_a_light_load_is_newtonian() -> None:
     slide, speed, load, material = numbers(50.0, 0.3)
     hand = 0.671e-6 * 0.3**0.81 * speed**0.26 * (load * material**2) ** 3.32
     assert hand < 0.04
-    found, _, _, _ = traction_coefficient(slide, speed, load, material, 0.05)
+    found, *_ = traction_coefficient(slide, speed, load, material, 0.05)
     assert found == pytest.approx(hand, rel=3e-3)
 
 
@@ -58,8 +58,8 @@ def test_traction_is_continuous_at_the_switch() -> None:
     slide, speed, _, material = numbers(50.0, 0.3)
     rounded = (slide**2 + 1e-8) ** 0.405 - 1e-4**0.81
     load = (0.04 / (0.671e-6 * rounded * speed**0.26)) ** (1 / 3.32) / material**2
-    below, _, _, _ = traction_coefficient(slide, speed, load * (1 - 1e-9), material, 0.05)
-    above, _, _, _ = traction_coefficient(slide, speed, load * (1 + 1e-9), material, 0.05)
+    below, *_ = traction_coefficient(slide, speed, load * (1 - 1e-9), material, 0.05)
+    above, *_ = traction_coefficient(slide, speed, load * (1 + 1e-9), material, 0.05)
     assert below == pytest.approx(0.04, rel=1e-6)
     assert above == pytest.approx(0.04, rel=1e-6)
 
@@ -93,8 +93,23 @@ def test_mesh_friction_at_rest_and_in_reverse() -> None:
     assert np.isfinite(mesh_friction(0.0, 2e-3, 1.0, 5.0, OIL, SURFACE)).all()
 
 
-@pytest.mark.parametrize("load", [5e3, 2e4, 3e5])
-@pytest.mark.parametrize("sliding", [-2.0, 3e-3, 0.4])
+def test_hard_flanks_in_thick_oil_creep_before_they_slide() -> None:
+    """The power law alone reaches its limit at a slide ratio of 1e-9: a step of the friction."""
+    thick, load = OIL._replace(dynamic_viscosity=20.0), 2e8
+    radius, rolling = 2e-3, 5.0
+
+    def friction(ratio: float) -> float:
+        return mesh_friction(load, radius, ratio * rolling, rolling, thick, SURFACE)[0]
+
+    slid = friction(1e-2)
+    assert slid == pytest.approx(0.8 * 0.05 + 0.021, rel=1e-3)
+    assert 0.0 < friction(1e-6) < 1e-3 * slid
+    assert friction(1e-5) < 0.03 * slid
+    assert friction(1e-4) == pytest.approx(0.8 * 0.05, rel=1e-6)
+
+
+@pytest.mark.parametrize("load", [5e3, 2e4, 3e5, 2e8])
+@pytest.mark.parametrize("sliding", [-2.0, 3e-3, 4e-4, 0.4])
 def test_mesh_friction_gives_its_derivatives(load: float, sliding: float) -> None:
     def friction(load: float, sliding: float) -> float:
         return mesh_friction(load, 2e-3, sliding, 5.0, OIL, SURFACE)[0]

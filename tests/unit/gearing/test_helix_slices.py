@@ -143,6 +143,19 @@ def test_faces_see_the_slice_at_their_end() -> None:
         np.testing.assert_array_equal(chambers[:count], np.arange(count) + first)
 
 
+def test_a_section_sees_the_slice_that_it_passes() -> None:
+    """Right up to the joints, and with the outer slices beyond the ends."""
+    slices = 4
+    sliced = machine(HELICAL, slices)
+    winding = sliced.winding
+    assert winding is not None
+    count = winding.section.families[0].count
+    along = float(np.copysign(winding.twist, winding.turn_per_length))
+    for at, slice_ in ((-0.1, 0), (0.01, 0), (0.24, 0), (0.26, 1), (0.74, 2), (0.76, 3), (1.1, 3)):
+        chambers = sliced.chambers_in_section(0.3, along * (at - 0.5))
+        np.testing.assert_array_equal(chambers[:count], np.arange(count) + slice_ * count)
+
+
 def test_a_rule_judges_a_slice_as_it_does_a_space() -> None:
     assert not list(along_spaces(17e5, 120e5, 3))
     (finding,) = along_spaces(19e5, 120e5, 3)

@@ -78,12 +78,34 @@ def assert_parts_sum(solution: Solution) -> None:
         assert summary[f"leakage_{path}_L_per_min"] == pytest.approx(flow * 6e4, abs=1e-12)
 
 
+def assert_shares_follow_openings(close: Look) -> None:
+    """Chambers open to one port stand at that side, closed ones between."""
+    description, share = close.history.system.description, shares(close)
+    inside = share[:, : description.chamber_count]
+    inlet, outlet = (close.openings[..., k] > 0.0 for k in (0, 1))
+    work, other = (inlet, outlet) if description.mode == "motor" else (outlet, inlet)
+    assert np.all(inside[work & ~other] == 1.0)
+    assert np.all(inside[other & ~work] == 0.0)
+    assert share.min() == 0.0
+    assert share.max() == 1.0
+
+
 @pytest.mark.parametrize(
     "name", [*MACHINES, *(pytest.param(name, marks=pytest.mark.slow) for name in MORE)]
 )
-def test_parts_sum_to_the_lost_flow_of_every_machine(name: str) -> None:
+def test_parts_sum_to_the_lost_flow_of_every_machine(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[Look] = []
+
+    def noted(close: Look, lost: float) -> dict[str, float]:
+        kept.append(close)
+        return lost_flow_parts(close, lost)
+
+    monkeypatch.setattr(outcome, "lost_flow_parts", noted)
     solution = run(name, "run.revolutions=2")
     assert_parts_sum(solution)
+    assert_shares_follow_openings(kept[-1])
     parts = parts_of(solution.data)
     assert set(LABELS) <= set(parts)
     # what is drawn over the angle is on average what is summed

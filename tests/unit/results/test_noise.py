@@ -197,6 +197,20 @@ def test_a_machine_on_very_soft_mounts_moves_as_a_free_one() -> None:
     assert found == pytest.approx(expected, rel=1e-5)
 
 
+def test_losses_of_mounts_calm_the_resonance_on_them() -> None:
+    """Of a machine on two springs, whose feet give a plate the less the more the mounts take."""
+    stiffness = 1e6
+    order = np.sqrt(2.0 * stiffness / CASING.mass) / SPEED
+    lifted = only(order, **{NET_Y: 5.0})
+    powers = [
+        sound_powers(
+            lifted, CASING, replace(PLATE, mount_stiffness=stiffness, mount_loss_factor=loss)
+        )["plate"][0]
+        for loss in (1e-9, 0.02, 0.1, 0.5)
+    ]
+    assert np.all(np.diff(powers) < 0.0)
+
+
 def test_twice_the_force_is_six_decibels() -> None:
     names = {NET_X: 1.0, NET_Y: 2.0, NET_MOMENT: 0.3}
     once = sound_powers(only(50.0, **names), CASING, PLATE)
