@@ -5,7 +5,7 @@ import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
 import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
-import { grooveOpenings } from "./openings.js";
+import { grooveOpenings, kidneyOpenings } from "./openings.js";
 import { showStart } from "./start.js";
 import { factor, fixed, fromShown, keepWords, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
@@ -89,9 +89,11 @@ const drawnHere = () => shape?.section && movedHandles().every(h => STILL.test(h
 
 // closed forms follow the pointer; what the server computes of the same values takes their place
 let followed = null, following = 0, cut = null;
-function cutGrooves() {
+const KIDNEY = /^machine\.ports\.(land_m(?:ax|in)_half_angle|(?:inner|outer)_radius)$/;
+function cutOpenings() {
   const own = movedHandles(), depth = machine.handles.find(h => h.path === "machine.relief_grooves.depth");
-  if (!shape?.cut || !depth || !own.length || !own.every(h => h.path.startsWith("machine.relief_grooves."))) return null;
+  if (shape?.cut?.kidneys && own.length && own.every(h => KIDNEY.test(h.path))) return kidneyOpenings(shape.cut, Object.fromEntries(own.map(h => [h.path.split(".").at(-1), h.now])));
+  if (!shape?.cut?.grooves || !depth || !own.length || !own.every(h => h.path.startsWith("machine.relief_grooves."))) return null;
   return grooveOpenings(shape.cut, machine.section.recesses, depth.now ?? depth.value);
 }
 function follow() {
@@ -99,7 +101,7 @@ function follow() {
     following = 0;
     const began = performance.now();
     followed = shape && kinematics(shape.closed, Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h.now])));
-    cut = cutGrooves();
+    cut = cutOpenings();
     if (!followed && !cut) return;
     if (followed) machine.follow(followed);
     geometry(); live();
