@@ -341,7 +341,7 @@ def change_first(solution: Solution, findings: Sequence[Finding]) -> str:
             return finding.sentence
     told = "Nothing has to be changed: all limits and design rules are met."
     if judged:
-        missed = "; ".join(f"{finding.quantity}: {finding.found}" for finding in judged)
+        missed = "; ".join(f"{finding.quantity}, {finding.found}" for finding in judged)
         told = f"Nothing has to be changed first: what is beyond its limit is slight ({missed})."
     losses = sorted(loss_causes(solution.ledger), key=lambda loss: -loss.power)
     if not losses:

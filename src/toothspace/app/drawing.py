@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -92,7 +92,7 @@ def look(
         "side": beside.parts,
         "handles": handles_of(case, description, beside),
         "closed": closed_form_of(case),
-        "cut": groove_cuts(case, description) if cells else None,
+        "cut": groove_cuts(case, description) or kidney_cuts(case, description) if cells else None,
     }
 
 
@@ -183,17 +183,11 @@ def groove_cuts(case: Case, description: MachineDescription) -> dict[str, Any] |
         if not own:
             continue
         nodes = family.count * steps
-        step, near = family.volume.period / nodes, dict[int, list[list[float]]]()
-        for k in range(steps):
-            shaft = (k * step - float(family.phases[0])) / family.angle_ratio
-            places = np.rint((family.phases + family.angle_ratio * shaft) / step).astype(int)
-            for place, outline in zip(places, outlines(shaft)[chambers], strict=True):
-                if any(_near(outline, recess) for recess in recesses.values()):
-                    line = shapely.LinearRing(outline).simplify(_DRAWN_ERROR)
-                    near[int(place) % nodes] = np.round(_MM * shapely.get_coordinates(line), 4)[
-                        :-1
-                    ].tolist()
-        spaces[family.name] = near
+        spaces[family.name] = {
+            place: _corners(outline)
+            for place, outline in _by_place(family, outlines, chambers, steps)
+            if any(_near(outline, recess) for recess in recesses.values())
+        }
         grooves += [
             {
                 "family": family.name,
@@ -205,6 +199,59 @@ def groove_cuts(case: Case, description: MachineDescription) -> dict[str, Any] |
             for path in own
         ]
     return {"spaces": spaces, "grooves": grooves}
+
+
+def kidney_cuts(case: Case, description: MachineDescription) -> dict[str, Any] | None:
+    """Pockets of rotors at the angles of :func:`openings`, and the kidneys that they pass, in mm.
+
+    The browser cuts them with kidneys whose edges move. None for other machines, kidneys from
+    files and slots in the outer rotor.
+    """
+    ports: Any = getattr(case.machine, "ports", None)
+    outlines = description.chamber_outlines
+    if outlines is None or not hasattr(ports, "land_max_half_angle"):
+        return None
+    if ports.contour is not None or ports.radial_slot_width:
+        return None
+    kidney = description.outlines["port_inlet"]
+    radii, angles = np.hypot(*kidney.T), np.arctan2(kidney[:, 1], kidney[:, 0])
+    family = description.families[0]
+    nodes = family.count * _steps(family)
+    chambers = slice(0, family.count)
+    return {
+        "kidneys": {
+            "land_max_half_angle": 90.0 - float(np.degrees(angles.max())),
+            "land_min_half_angle": 90.0 + float(np.degrees(angles.min())),
+            "inner_radius": _MM * float(radii.min()),
+            "outer_radius": _MM * float(radii.max()),
+        },
+        "family": family.name,
+        "nodes": nodes,
+        "spaces": {
+            place: _corners(outline)
+            for place, outline in _by_place(family, outlines, chambers, _steps(family))
+        },
+    }
+
+
+def _by_place(
+    family: ChamberFamily, outlines: Any, chambers: slice, steps: int
+) -> Iterator[tuple[int, Array]]:
+    """Outlines of the chambers of a family by the node of the diagram at which they are."""
+    nodes = family.count * steps
+    step = family.volume.period / nodes
+    for k in range(steps):
+        shaft = (k * step - float(family.phases[0])) / family.angle_ratio
+        places = np.rint((family.phases + family.angle_ratio * shaft) / step).astype(int)
+        for place, outline in zip(places, outlines(shaft)[chambers], strict=True):
+            yield int(place) % nodes, outline
+
+
+def _corners(outline: Array) -> list[list[float]]:
+    """Corners of an outline as the browser cuts it. [mm]."""
+    line = shapely.LinearRing(outline).simplify(_DRAWN_ERROR)
+    corners: list[list[float]] = np.round(_MM * shapely.get_coordinates(line), 4)[:-1].tolist()
+    return corners
 
 
 def _near(outline: Array, recess: Array) -> bool:

@@ -242,7 +242,8 @@ def _mesh_places(
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Profile shift at the root of the first gear, the mesh's play at the centre of the second."""
     gear, (first, second) = getattr(case.machine, table), description.bodies[:2]
-    if gear.module is not None:
+    # tips that roll through roots have no shift
+    if gear.module is not None and not getattr(gear, "is_continuous", False):
         root = float(np.hypot(*description.outlines[first.name].T).min())
         place = _line((first.center[0], first.center[1] - root), (0.0, -gear.module))
         yield f"machine.{table}.profile_shift", place

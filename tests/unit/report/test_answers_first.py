@@ -49,7 +49,7 @@ def test_what_is_slight_is_told_but_not_what_to_change_first() -> None:
     )
     told = change_first(fake_solution(), [slight])
     assert told.startswith("Nothing has to be changed first")
-    assert "Power of vapour: 0.03 W" in told
+    assert "Power of vapour, 0.03 W" in told
     assert "largest loss" in told
     rule = Finding("rule", "Thin.", advice="Thicken it.")
     assert change_first(fake_solution(), [slight, rule]) == "Thin. Thicken it."

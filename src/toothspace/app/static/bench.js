@@ -5,7 +5,7 @@ import { Curves } from "./curves.js";
 import { buildForm } from "./form.js";
 import { kinematics } from "./kinematics.js";
 import { Machine } from "./machine.js";
-import { grooveOpenings } from "./openings.js";
+import { grooveOpenings, kidneyOpenings } from "./openings.js";
 import { showStart } from "./start.js";
 import { factor, fixed, fromShown, keepWords, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
@@ -14,6 +14,7 @@ const QUIET = 300, SETTLE = 1500;
 const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
 const LIVE = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "center_distance_mm", "tip_diameter_mm", "root_clearance_mm", "normal_backlash_mm", "flow_ripple_percent", "eccentricity_mm"];
+const OF_SHAPE = { flow_ripple_percent: "Kinematic flow ripple" }; // the key is that of a run as well
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = {}, lastMoved = "";
 let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
@@ -33,7 +34,7 @@ async function open(id) {
   if (!found) { location.hash = ""; return; }
   by("start").hidden = true; by("bench").hidden = false; by("design-tools").hidden = false;
   Object.assign(window.bench, { answers: [], looks: [], follows: [] });
-  answer = ghost = shape = null; measured = {}; machine.turn(null); machine.handles = []; machine.box = null;
+  answer = ghost = shape = geometryBefore = null; measured = {}; machine.turn(null); machine.handles = []; machine.box = null;
   viewsDrawn = null; by("views").replaceChildren();
   by("tiles").replaceChildren(); by("verdict").textContent = ""; by("curves").replaceChildren(); curves.plots.clear();
   take(found);
@@ -88,9 +89,11 @@ const drawnHere = () => shape?.section && movedHandles().every(h => STILL.test(h
 
 // closed forms follow the pointer; what the server computes of the same values takes their place
 let followed = null, following = 0, cut = null;
-function cutGrooves() {
+const KIDNEY = /^machine\.ports\.(land_m(?:ax|in)_half_angle|(?:inner|outer)_radius)$/;
+function cutOpenings() {
   const own = movedHandles(), depth = machine.handles.find(h => h.path === "machine.relief_grooves.depth");
-  if (!shape?.cut || !depth || !own.length || !own.every(h => h.path.startsWith("machine.relief_grooves."))) return null;
+  if (shape?.cut?.kidneys && own.length && own.every(h => KIDNEY.test(h.path))) return kidneyOpenings(shape.cut, Object.fromEntries(own.map(h => [h.path.split(".").at(-1), h.now])));
+  if (!shape?.cut?.grooves || !depth || !own.length || !own.every(h => h.path.startsWith("machine.relief_grooves."))) return null;
   return grooveOpenings(shape.cut, machine.section.recesses, depth.now ?? depth.value);
 }
 function follow() {
@@ -98,7 +101,7 @@ function follow() {
     following = 0;
     const began = performance.now();
     followed = shape && kinematics(shape.closed, Object.fromEntries(machine.handles.filter(h => h.now !== undefined).map(h => [h.path, h.now])));
-    cut = cutGrooves();
+    cut = cutOpenings();
     if (!followed && !cut) return;
     if (followed) machine.follow(followed);
     geometry(); live();
@@ -107,9 +110,9 @@ function follow() {
 }
 function live() {
   const found = { ...shape.numbers, ...followed?.numbers }, box = by("live"), keys = LIVE.filter(key => typeof found[key] === "number"), broken = rulesNow().filter(r => !r.passed).length;
-  if (box.dataset.keys !== String(keys)) box.replaceChildren(...keys.map(key => element("span", { title: key }, `${named(key).label} `, element("b"))), element("span"));
+  if (box.dataset.keys !== String(keys)) box.replaceChildren(...keys.map(key => element("span", { title: key }, `${OF_SHAPE[key] ?? named(key).label} `, element("b"))), element("span"));
   box.dataset.keys = keys;
-  keys.forEach((key, k) => { const { unit } = named(key); box.children[k].lastChild.textContent = `${text(toShown(found[key], unit))} ${unitShown(unit)}`; });
+  keys.forEach((key, k) => { const { unit } = named(key); box.children[k].lastChild.textContent = `${read(toShown(found[key], unit), unit)} ${unitShown(unit)}`; });
   box.lastChild.textContent = broken ? `${broken} design rule${broken > 1 ? "s" : ""} not met` : "all design rules met"; box.lastChild.className = broken ? "bad" : "good";
 }
 const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.label]; return now ? { ...r, passed: now[1], shown: `${text(now[0])} ${r.shown.split(" ").slice(1).join(" ")}` } : r; });
@@ -205,11 +208,13 @@ function showDimension(handle) {
 }
 
 // ---- right -------------------------------------------------------------------------------------
-function tile(key, value, before) {
-  const { label, unit } = named(key), percent = key.endsWith("efficiency"), scale = percent ? 100 : 1;
+// what is nothing beside the digits that anybody reads
+const read = (value, unit) => unit && value !== 0 && Math.abs(value) < 5e-4 ? "≈ 0" : text(value);
+function tile(key, value, before, label = named(key).label) {
+  const { unit } = named(key), percent = key.endsWith("efficiency"), scale = percent ? 100 : 1;
   const shown = v => v === null || v === undefined ? null : toShown(v * scale, unit);
   const difference = before === null || before === undefined || value === null ? null : shown(value) - shown(before);
-  return element("div", { className: "tile", title: key }, element("small", { textContent: label }), element("b", { textContent: `${text(shown(value))} ${percent ? "%" : unitShown(unit)}`.replace(" °", unitShown(unit) === "°" ? "°" : " °") }),
+  return element("div", { className: "tile", title: key }, element("small", { textContent: label }), element("b", { textContent: `${read(shown(value), unit)} ${percent ? "%" : unitShown(unit)}`.replace(" °", unitShown(unit) === "°" ? "°" : " °") }),
     element("i", { textContent: difference === null || Math.abs(difference) < 1e-4 * Math.abs(shown(value)) ? "" : `${difference > 0 ? "+" : "−"}${text(Math.abs(difference), 3)} from before` }));
 }
 function sentence() {
@@ -232,9 +237,9 @@ function showAnswer() {
     const all = answer.turn.curves, old = ghost?.turn?.angle.length === answer.turn.angle.length ? ghost.turn.curves : {}, x = answer.turn.angle;
     const group = (name, title, unit, keys, height) => ({ name, title, unit, x, height, lines: keys.map(k => all[k]), ghosts: keys.slice(0, 1).map(k => old[k]?.values), measured: measured[name]?.(x) ?? null });
     const some = test => Object.keys(all).filter(test);
-    const chambers = some(k => k.startsWith("pressure_")), forces = some(k => k.startsWith("force_"));
+    const chambers = some(k => k.startsWith("pressure_")), forces = some(k => k.startsWith("force_") && all[k].values.some(v => v));
     curves.show([
-      chambers.length ? group("chamber", "Pressure in one tooth space on its way round", "bar", chambers, 220) : null,
+      chambers.length ? group("chamber", `Pressure in one ${space()} on its way round`, "bar", chambers, 220) : null,
       all.gas && Math.max(...all.gas.values) > .01 ? group("gas", "Free gas in it", "%", ["gas"], 110) : null,
       all.outlet_pressure ? group("outlet", "Outlet pressure", "bar", ["outlet_pressure"]) : null,
       all.outlet_flow_rate ? group("flow", "Outlet flow", "L/min", ["outlet_flow_rate"]) : null,
@@ -248,15 +253,22 @@ function showAnswer() {
   const worst = Math.max(...answer.losses.map(l => Math.abs(l.watt)), 1e-9), earlier = Object.fromEntries((ghost?.losses ?? []).map(l => [l.cause + l.label, l.watt]));
   const [scale, unit, places] = worst >= 1e4 ? [1e-3, "kW", 3] : [1, "W", worst >= 100 ? 1 : 2]; // one unit and as many places for all, so that they can be compared
   by("losses").replaceChildren(...[...answer.losses].sort((a, b) => b.watt - a.watt).map(l => { const was = earlier[l.cause + l.label]; return element("div", { className: "loss" }, element("span", { textContent: `${l.cause}: ${l.label}` }), element("div", { style: `width:${Math.max(100 * l.watt / worst, .3)}%` }, was > 0 ? element("i", { style: `left:${100 * was / Math.max(l.watt, 1e-9)}%`, title: "before" }) : null), element("span", { textContent: `${fixed(scale * l.watt, places)} ${unit}` })); }));
+  by("findings").hidden = !answer.findings?.length; by("no-findings").hidden = answer.findings?.length !== 0;
   by("findings").replaceChildren(...(answer.findings ?? []).map(f => element("li", { className: f.severity === "serious" ? "bad" : "" }, element("b", { textContent: `${f.kind}: ` }), `${f.text} ${f.advice}`)));
 }
+const space = () => design.tables.machine?.type === "gerotor" ? "pocket" : "tooth space";
 let geometryBefore = null;
 function geometry() {
   if (by("panel-geometry").hidden) return;
   const found = { ...shape.numbers, ...followed?.numbers };
-  by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof found[key] === "number").map(key => tile(key, found[key], geometryBefore?.[key])));
+  by("geometry-tiles").replaceChildren(...GEOMETRY.filter(key => typeof found[key] === "number").map(key => tile(key, found[key], geometryBefore?.[key], OF_SHAPE[key])));
   const now = (family, curve) => ({ ...curve, values: cut?.find(one => one.family === family && one.role === curve.role)?.values ?? curve.values });
-  if (!followed || cut) areas.show(shape.openings.map(one => ({ name: `opening_${one.family}`, title: sentenceCase(one.family), unit: "mm2", x: one.angle, lines: one.curves.map(curve => now(one.family, curve)), height: 170 })));
+  by("openings-of").textContent = `Open areas of one ${space()}`;
+  if (!followed || cut) areas.show(shape.openings.flatMap(one => {
+    const lines = one.curves.map(curve => now(one.family, curve)), grooves = lines.filter(line => line.role.endsWith("_groove")), ports = lines.filter(line => !grooves.includes(line));
+    // grooves are lost beside ports that are tens of times wider
+    return [["opening", "", ports], ["grooves", ", relief grooves", grooves]].filter(([, , some]) => some.length).map(([name, more, some]) => ({ name: `${name}_${one.family}`, title: `${sentenceCase(one.family)}${more}`, unit: "mm2", x: one.angle, lines: some, height: 170 }));
+  }));
   const rules = rulesNow().sort((a, b) => a.passed - b.passed), failed = rules.filter(r => !r.passed), met = rules.filter(r => r.passed);
   const line = r => element("details", { className: "rule" }, element("summary", {}, element("b", { className: r.passed ? "good" : "bad", textContent: r.passed ? "✓ met" : "✗ not" }), element("span", { textContent: r.label }), element("small", { textContent: pretty(r.shown) })), element("p", { className: "small", textContent: `Allowed: ${pretty(r.allowed)}. ${r.reason}` }));
   const more = by("rules").querySelector(":scope > details.more");
