@@ -115,7 +115,7 @@ function live() {
   keys.forEach((key, k) => { const { unit } = named(key); box.children[k].lastChild.textContent = `${read(toShown(found[key], unit), unit)} ${unitShown(unit)}`; });
   box.lastChild.textContent = broken ? `${broken} design rule${broken > 1 ? "s" : ""} not met` : "all design rules met"; box.lastChild.className = broken ? "bad" : "good";
 }
-const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.label]; return now ? { ...r, passed: now[1], shown: `${text(now[0])} ${r.shown.split(" ").slice(1).join(" ")}` } : r; });
+const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.label]; return Number.isFinite(now?.[0]) ? { ...r, passed: now[1], shown: `${text(now[0])} ${r.shown.split(" ").slice(1).join(" ")}` } : r; });
 
 function move(handle, value) {
   handle.now = value; lastMoved = handle.path;
