@@ -146,9 +146,15 @@ def html_table(rows: Mapping[str, Any]) -> str:
 def figure_to_svg(figure: Figure) -> str:
     """Render a figure as an SVG element without XML prolog, outlines to a hundredth of a point."""
     import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
     with mpl.rc_context(_RC):  # type: ignore[arg-type]
+        # arranged beforehand: a figure that is saved with its layout open is drawn twice
+        FigureCanvasSVG(figure)
+        if layout := figure.get_layout_engine():
+            layout.execute(figure)
+            figure.set_layout_engine("none")
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
 
