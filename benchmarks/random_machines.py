@@ -150,7 +150,7 @@ def report(rows: list[dict[str, Any]]) -> None:
         above = [row["seed"] for row in done if row[f"{name}_balance_error"] > limit]
         print(f"{name} error of those done: worst {max(errors, default=0.0):.1e}, above {above}")
     print(f"longest: {max((row['processor_s'] for row in ran), default=0.0):.0f} s")
-    said = [(row["seed"], row["unsaid"]) for row in done if row["unsaid"]]
+    said = [(row["seed"], row["unsaid"]) for row in done if row.get("unsaid")]
     print(f"odd numbers that no finding names: {said}")
     odd = [row["seed"] for row in rows if row not in ran and row["status"] != "refused"]
     print(f"to look at: {odd}")

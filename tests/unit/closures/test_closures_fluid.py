@@ -226,3 +226,13 @@ def test_arrays_and_scalars_agree() -> None:
     for k, p in enumerate(pressure):
         assert float(mixture_specific_volume(float(p), 1e-5, law)) == volumes[k]
         assert float(mixture_pressure(float(volumes[k]), 1e-5, law)[0]) == pytest.approx(p)
+
+
+def test_where_all_gas_just_dissolves_nuclei_and_the_round_corner_remain() -> None:
+    law = law_of("iso_vg_46", 50)._replace(nuclei_mass_fraction=3e-7)
+    corner = law.total_gas_mass_fraction / law.dissolved_mass_fraction * law.saturation_pressure
+    found, slope = equilibrium_gas_fraction(corner, law)
+    assert found == pytest.approx(1e-3 * law.total_gas_mass_fraction + 3e-7, rel=1e-9)
+    assert slope == pytest.approx(
+        -0.5 * law.dissolved_mass_fraction / law.saturation_pressure, rel=1e-6
+    )

@@ -28,6 +28,7 @@ from toothspace.films.reynolds.rough_surfaces import (
     contact_table,
     flow_law,
     squeeze_law,
+    tabulated,
 )
 
 ROUGH = RoughSurfaces(
@@ -206,3 +207,23 @@ def test_two_smooth_walls_are_refused() -> None:
         RoughSurfaces(moving_roughness=0.0, resting_roughness=0.0)
     with pytest.raises(CaseError, match="contact_law"):
         replace(ROUGH, contact_law="hertz")
+
+
+def test_tables_of_thin_films_are_their_laws_from_the_smallest_gap_on() -> None:
+    """Values and slopes between the nodes, right above the gap from which on the laws hold."""
+    law = flow_law(ROUGH, 0.4)
+    size, table = law.roughness, law.table
+    for ratio in (*(table.first * np.array([1.001, 1.03, 1.09])), 1.217, 2.011):
+        gap = ratio * size
+        expected = {
+            "along": conductance_law(gap, law, law.along),
+            "across": conductance_law(gap, law, law.across),
+            "carried": carried_law(gap, law),
+            "squeeze": squeeze_law(gap, law),
+        }
+        units = {"along": (3, 2), "across": (3, 2), "carried": (1, 0), "squeeze": (0, -1)}
+        for name, (value, slope) in expected.items():
+            found, steep = tabulated(table, getattr(table, name), float(ratio))
+            powers = units[name]
+            assert found * size ** powers[0] == pytest.approx(value, rel=1e-5), name
+            assert steep * size ** powers[1] == pytest.approx(slope, rel=1e-3), name

@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import toothspace as ts
 from tests.fake_solution import fake_solution
@@ -512,3 +513,19 @@ def test_fmpy_finds_no_fault_and_runs_it(samples: Samples, host: Path, tmp_path:
         found = fmpy.simulate_fmu(path, stop_time=1e-2, start_values={"ripple": False})
         assert np.all(np.isfinite(found["inlet_flow_rate"]))
         assert np.ptp(found["inlet_flow_rate"]) < 1e-12 or drive == "torque"
+
+
+@pytest.mark.parametrize("mode", ["pump", "motor"])
+def test_inputs_start_at_the_highest_pressures_and_speed_of_the_tables(mode: str) -> None:
+    """The high pressure stands at the outlet of a pump and at the inlet of a motor."""
+    tables = xr.Dataset(
+        {"low_pressure": 2e5},
+        coords={"pressure_difference": [1e6, 3e7], "shaft_speed": [50.0, 150.0]},
+        attrs={"mode": mode, "drain": "external"},
+    )
+    found = {v.name: v for v in archive.fmu_variables(tables, free_shaft=False)}
+    pressures = (2e5, 2e5 + 3e7) if mode == "pump" else (2e5 + 3e7, 2e5)
+    starts = tuple(found[f"{port}_pressure"].start for port in ("inlet", "outlet"))
+    assert starts == pytest.approx(pressures)
+    assert found["shaft_speed"].start == 150.0
+    assert found["shaft_speed"].causality == "input"

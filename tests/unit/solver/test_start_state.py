@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from toothspace import api
@@ -11,6 +13,7 @@ from toothspace.model import arrays as col
 from toothspace.model.assembly import assemble
 from toothspace.solver.compiled_model import evaluate_state, find_contacts
 from toothspace.solver.initial import start_state
+from toothspace.solver.integrator import start_march
 
 GEROTOR = Path(__file__).resolve().parents[3] / "cases" / "gerotor_trochoidal.toml"
 
@@ -41,3 +44,26 @@ def test_contacts_carry_the_torque_of_the_pressures_at_the_start(high: str) -> N
     carried = float(arrays.motion[turning, col.CONTACT_LOAD])
     assert abs(torque) > 0.1
     assert carried == pytest.approx(-torque, rel=1e-6)
+
+
+@pytest.mark.parametrize("speed", [50.0, 400.0])
+def test_steps_are_no_longer_than_a_fortieth_of_a_radian(speed: float) -> None:
+    """However fast the shaft; the shortest goes with its speed too."""
+    run = api.prepare(api.load_case(GEROTOR))
+    system = assemble(run.machine, run.fluid, replace(run.condition, shaft_speed=speed))
+    march = start_march(system, start_state(system))
+    assert march.settings.max_step * speed == pytest.approx(1.0 / 40.0)
+    assert march.settings.min_step * speed == pytest.approx(1e-16)
+
+
+def test_a_body_of_a_map_starts_at_the_same_share_of_any_clearance() -> None:
+    """On the side to which the pressures press it."""
+    case = api.load_case(GEROTOR)
+    shares = []
+    for clearance in ("30 um", "90 um"):
+        run = api.prepare(case.replace({"machine.housing.radial_clearance": clearance}))
+        system = assemble(run.machine, run.fluid, run.condition)
+        place = start_state(system)[system.arrays.size.position :][:2]
+        shares.append(float(np.hypot(*place)) / float(clearance.split()[0]) * 1e6)
+    assert shares[0] == pytest.approx(shares[1], rel=1e-6)
+    assert 0.1 < shares[0] < 1.0

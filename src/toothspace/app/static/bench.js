@@ -115,7 +115,7 @@ function live() {
   keys.forEach((key, k) => { const { unit } = named(key); box.children[k].lastChild.textContent = `${read(toShown(found[key], unit), unit)} ${unitShown(unit)}`; });
   box.lastChild.textContent = broken ? `${broken} design rule${broken > 1 ? "s" : ""} not met` : "all design rules met"; box.lastChild.className = broken ? "bad" : "good";
 }
-const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.label]; return now ? { ...r, passed: now[1], shown: `${text(now[0])} ${r.shown.split(" ").slice(1).join(" ")}` } : r; });
+const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.label]; return Number.isFinite(now?.[0]) ? { ...r, passed: now[1], shown: `${text(now[0])} ${r.shown.split(" ").slice(1).join(" ")}` } : r; });
 
 function move(handle, value) {
   handle.now = value; lastMoved = handle.path;
@@ -335,7 +335,7 @@ async function showKeys() { schema ??= await attempt(() => ask("/api/schema")); 
 async function showText() { const found = await attempt(() => ask(`/api/designs/${design.id}/toml`)); if (found !== null) by("text").value = found; }
 
 // ---- views: films, orbits, spectra, losses of the answer, or of a run that has ended ------------
-let viewsDrawn = null;
+let viewsDrawn = null, viewsAsked = 0;
 async function showViews() {
   if (by("panel-views").hidden || !design) return;
   const select = by("views-of"), kept = runs.filter(r => r.state === "done" && (r.kind === "run" || r.kind === "study")), had = select.value;
@@ -343,10 +343,11 @@ async function showViews() {
   select.value = [...select.options].some(o => o.value === had) ? had : "";
   const run = select.value, wanted = run || (answer ? `${design.id} ${answer.version} ${answer.full}` : "");
   if (!wanted) { by("views").replaceChildren(element("p", { className: "small", textContent: "There is no answer yet." })); return; }
-  const key = `${wanted} ${JSON.stringify(units)}`;
+  const key = `${wanted} ${JSON.stringify(units)}`, asked = viewsAsked += 1;
   if (viewsDrawn === key) return;
   let found;
-  try { found = await ask(run ? `/api/runs/${run}/views.json` : `/api/designs/${design.id}/views`); } catch (error) { by("views").replaceChildren(element("p", { className: "bad", textContent: error.message })); return; }
+  try { found = await ask(run ? `/api/runs/${run}/views.json` : `/api/designs/${design.id}/views`); } catch (error) { if (asked === viewsAsked) by("views").replaceChildren(element("p", { className: "bad", textContent: error.message })); return; }
+  if (asked !== viewsAsked) return; // views of an answer that were waited for may come after those of a run
   viewsDrawn = key;
   if (!found.length) { by("views").replaceChildren(element("p", { className: "small", textContent: "No views: see the report of the run." })); return; }
   toothspaceViews(by("views"), found, { text, shown: (v, unit) => [toShown(v, unit), unitShown(unit)], open: values => attempt(async () => open((await ask("/api/designs", { run, values })).id)) });
