@@ -10,14 +10,14 @@ import { showStart } from "./start.js";
 import { factor, fixed, fromShown, keepWords, named, number, pretty, settingsForm, text, toShown, units, unitShown } from "./units.js";
 
 const TAB = Math.random().toString(36).slice(2);
-const QUIET = 300, SETTLE = 1500;
+const QUIET = 300, SETTLE = 1500, LATER = 300;
 const TILES = ["volumetric_efficiency", "hydromechanical_efficiency", "overall_efficiency", "mean_flow_L_per_min", "mean_torque_N_m", "max_chamber_pressure_bar", "min_chamber_pressure_bar", "cavitation_index_W", "pressure_ripple_bar", "flow_ripple_percent", "torque_ripple_percent", "outlet_pressure_bar", "power_loss_W", "drain_temperature_degC", "startup_pressure_bar", "breakaway_time_s"];
 const GEOMETRY = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "dead_volume_mm3", "flow_ripple_percent", "tip_land_mm", "root_clearance_mm", "center_distance_mm", "normal_backlash_mm", "operating_pressure_angle_deg"];
 const LIVE = ["displacement_cm3_per_rev", "contact_ratio", "trapped_volume_mm3", "center_distance_mm", "tip_diameter_mm", "root_clearance_mm", "normal_backlash_mm", "flow_ripple_percent", "eccentricity_mm"];
 const OF_SHAPE = { flow_ripple_percent: "Kinematic flow ripple" }; // the key is that of a run as well
 const TABS = [["answer", "Answer"], ["views", "Views"], ["geometry", "Geometry and rules"], ["circuit", "Circuit and models"], ["variants", "Variants"], ["runs", "Runs and files"], ["keys", "All keys"], ["text", "Case file"]];
 let design = null, schema = null, shape = null, answer = null, ghost = null, measured = {}, lastMoved = "";
-let timer = 0, settleTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
+let timer = 0, settleTimer = 0, laterTimer = 0, looking = false, wantLook = null, changing = Promise.resolve(), runs = [], runsTold = 0, playing = 0;
 window.bench = { get design() { return design; }, get answer() { return answer; }, get frames() { return machine.frames; }, answers: [], looks: [], follows: [], get shape() { return shape; }, get cut() { return cut; } };
 
 const machine = new Machine(() => {}, (handle, value) => move(handle, value), handle => commit(handle));
@@ -120,16 +120,17 @@ const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.labe
 function move(handle, value) {
   handle.now = value; lastMoved = handle.path;
   machine.preview(handle); machine.placeHandles(); showDimension(handle); follow(); lookSoon(moved());
-  clearTimeout(timer); clearTimeout(settleTimer);
+  clearTimeout(timer); clearTimeout(settleTimer); clearTimeout(laterTimer);
   timer = setTimeout(() => commit(handle), machine.held ? 1e9 : QUIET);
 }
 function commit() {
   clearTimeout(timer);
   const values = moved();
   if (Object.keys(values).length) change({ values });
+  else tellLater();
 }
 function change(given) {
-  clearTimeout(settleTimer);
+  clearTimeout(settleTimer); clearTimeout(laterTimer);
   changing = changing.then(() => attempt(async () => {
     try { take(await ask(`/api/designs/${design.id}/change`, given)); solve(); } // drawing and answer come from two processes
     finally { for (const handle of machine.handles) { delete handle.now; } wantLook = null; await look({}, false); }
@@ -137,7 +138,7 @@ function change(given) {
   return changing;
 }
 async function solve(full = false) {
-  clearTimeout(settleTimer);
+  clearTimeout(settleTimer); clearTimeout(laterTimer);
   const id = design.id, began = performance.now();
   say(full ? "settling: running-in and temperatures …" : "solving …");
   const found = await attempt(() => ask(`/api/designs/${id}/answer`, { full, tab: TAB }));
@@ -152,8 +153,12 @@ async function solve(full = false) {
   showViews();
   say(`${full ? "settled" : "answered"} in ${text((performance.now() - began) / 1000, 2)} s`);
   settleSoon();
-  await fetchFindings();
-  fetchTurning();
+  tellLater();
+}
+// the same process answers: who goes on changing does not wait for words and pictures of the last answer
+function tellLater() {
+  clearTimeout(laterTimer);
+  if (answer) laterTimer = setTimeout(async () => { await fetchFindings(); fetchTurning(); }, LATER);
 }
 function settleSoon() {
   clearTimeout(settleTimer);
