@@ -21,6 +21,7 @@ from toothspace.solver.cyclic import successors
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 NAMES = ["gerotor_trochoidal", "gerotor_cycloidal"]
+SHORT = ("run.max_revolutions=2", 'operating_point.outlet_load="fixed_pressure"')
 
 
 @cache
@@ -178,9 +179,7 @@ def test_walls_part_the_film_from_the_pockets():
 @pytest.mark.parametrize("name", NAMES)
 def test_balances_close(name):
     """Mass and energy ledgers of two revolutions of the shipped cases."""
-    solution = _solved(
-        name, "run.max_revolutions=2", 'operating_point.outlet_load="fixed_pressure"'
-    )
+    solution = _solved(name, *SHORT)
     assert solution.status in (ts.Status.DONE, ts.Status.NOT_CYCLIC)
     assert solution.ledger.mass_balance_error < 1e-7
     assert solution.ledger.energy_balance_error < 2e-5
@@ -256,3 +255,15 @@ def test_a_rotor_whirling_at_half_speed_in_thick_oil_costs_few_steps():
     solution = ts.simulate(case)
     assert solution.status is Status.DONE
     assert solution.statistics["steps"] < 3_000 * solution.statistics["revolutions"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bodies_are_as_fast_as_their_places_change(name):
+    """Velocities of the result belong to the bodies whose places stand beside them."""
+    data = _solved(name, *SHORT).data
+    speed, time = np.asarray(data["body_velocity"]), np.asarray(data["time"])
+    change = np.gradient(np.asarray(data["body_position"]), time, axis=0)
+    size = np.sqrt(np.mean(speed**2, axis=0))
+    apart = np.sqrt(np.mean((change - speed)[2:-2] ** 2, axis=0))
+    assert np.any(size > 0.0)
+    assert np.all(apart <= 0.15 * size)
