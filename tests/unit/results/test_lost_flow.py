@@ -34,6 +34,19 @@ def run(name: str, *overrides: str) -> Solution:
     return api.simulate(replace(case, study=None))
 
 
+@pytest.fixture
+def looks(monkeypatch: pytest.MonkeyPatch) -> list[Look]:
+    """What the lost flows of a run are found from, run by run."""
+    kept: list[Look] = []
+
+    def noted(close: Look, lost: float) -> dict[str, float]:
+        kept.append(close)
+        return lost_flow_parts(close, lost)
+
+    monkeypatch.setattr(outcome, "lost_flow_parts", noted)
+    return kept
+
+
 def exchange_in_the_mesh(close: Look) -> float:
     """Flow lost by timing, and by exchange through ports, grooves and the mesh. [m3/s].
 
@@ -93,19 +106,10 @@ def assert_shares_follow_openings(close: Look) -> None:
 @pytest.mark.parametrize(
     "name", [*MACHINES, *(pytest.param(name, marks=pytest.mark.slow) for name in MORE)]
 )
-def test_parts_sum_to_the_lost_flow_of_every_machine(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    kept: list[Look] = []
-
-    def noted(close: Look, lost: float) -> dict[str, float]:
-        kept.append(close)
-        return lost_flow_parts(close, lost)
-
-    monkeypatch.setattr(outcome, "lost_flow_parts", noted)
+def test_parts_sum_to_the_lost_flow_of_every_machine(name: str, looks: list[Look]) -> None:
     solution = run(name, "run.revolutions=2")
     assert_parts_sum(solution)
-    assert_shares_follow_openings(kept[-1])
+    assert_shares_follow_openings(looks[-1])
     parts = parts_of(solution.data)
     assert set(LABELS) <= set(parts)
     # what is drawn over the angle is on average what is summed
@@ -140,21 +144,12 @@ def test_parts_sum_in_every_kind_of_run(overrides: list[str]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["egm12_pump", "gerotor_cycloidal"])
-def test_what_leaks_out_of_chambers_is_what_paths_leak(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    kept: list[Look] = []
-
-    def noted(close: Look, lost: float) -> dict[str, float]:
-        kept.append(close)
-        return lost_flow_parts(close, lost)
-
-    monkeypatch.setattr(outcome, "lost_flow_parts", noted)
+def test_what_leaks_out_of_chambers_is_what_paths_leak(name: str, looks: list[Look]) -> None:
     run(name, "run.revolutions=1")
-    history, seen = kept[-1].history, kept[-1].seen
+    history, seen = looks[-1].history, looks[-1].seen
     leaving = chamber_leakage(history)
     density = seen.density[:, history.system.description.inlet_node]
-    total = sum(path_leakage(kept[-1], shares(kept[-1]))).sum(axis=1) / density
+    total = sum(path_leakage(looks[-1], shares(looks[-1]))).sum(axis=1) / density
     assert leaving.sum(axis=1) == pytest.approx(total, rel=1e-9, abs=1e-3 * float(total.mean()))
     # most of it from chambers at high pressure
     high = seen.pressure[:, : leaving.shape[1]] > 0.5 * seen.pressure.max()

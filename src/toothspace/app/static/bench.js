@@ -120,7 +120,7 @@ const rulesNow = () => shape.rules.map(r => { const now = followed?.rules[r.labe
 function move(handle, value) {
   handle.now = value; lastMoved = handle.path;
   machine.preview(handle); machine.placeHandles(); showDimension(handle); follow(); lookSoon(moved());
-  clearTimeout(timer); clearTimeout(settleTimer); clearTimeout(laterTimer);
+  clearTimeout(timer); holdBack();
   timer = setTimeout(() => commit(handle), machine.held ? 1e9 : QUIET);
 }
 function commit() {
@@ -130,7 +130,7 @@ function commit() {
   else tellLater();
 }
 function change(given) {
-  clearTimeout(settleTimer); clearTimeout(laterTimer);
+  holdBack();
   changing = changing.then(() => attempt(async () => {
     try { take(await ask(`/api/designs/${design.id}/change`, given)); solve(); } // drawing and answer come from two processes
     finally { for (const handle of machine.handles) { delete handle.now; } wantLook = null; await look({}, false); }
@@ -138,7 +138,7 @@ function change(given) {
   return changing;
 }
 async function solve(full = false) {
-  clearTimeout(settleTimer); clearTimeout(laterTimer);
+  holdBack();
   const id = design.id, began = performance.now();
   say(full ? "settling: running-in and temperatures …" : "solving …");
   const found = await attempt(() => ask(`/api/designs/${id}/answer`, { full, tab: TAB }));
@@ -160,6 +160,8 @@ function tellLater() {
   clearTimeout(laterTimer);
   if (answer) laterTimer = setTimeout(async () => { await fetchFindings(); fetchTurning(); }, LATER);
 }
+// what follows an answer by itself waits until nothing changes any more
+function holdBack() { clearTimeout(settleTimer); clearTimeout(laterTimer); }
 function settleSoon() {
   clearTimeout(settleTimer);
   const steady = design.tables.operating_point && (design.tables.run?.fidelity ?? "lumped") === "lumped";

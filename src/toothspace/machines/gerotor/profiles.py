@@ -266,7 +266,8 @@ class Rotors:
     @property
     def turning(self) -> Turning:
         """How the inner rotor turns about its centre while the outer one turns."""
-        return Turning(0.0, -self.eccentricity, self.turns)
+        x, y = self.inner_center.tolist()
+        return Turning(x, y, self.turns)
 
     @property
     def inner_center(self) -> Array:
