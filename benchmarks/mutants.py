@@ -3,13 +3,18 @@
 ``python -m benchmarks.mutants`` puts every spoiled line of the list below into a copy of the
 package and runs the behaviour tests of its room there, without stored numbers. ``--random N`` draws
 further lines: an operator of a formula exchanged, or a constant a tenth larger, in ``--room``.
-``--wider`` asks verification and stored numbers where these see nothing. ``--coverage FILE`` asks
-the whole fast suite, of which only those files count that execute the spoiled statement: FILE is
-the data of coverage.py with a context for every test, as ``pytest --cov=toothspace
---cov-context=test`` of pytest-cov writes it. Compiled code is not in it, so all tests of its room
-are asked. Each run has a cache of its own but for compiled code, whose files are named by what they
-are made of. The table says which test saw what; ``-o`` keeps it as JSON, and a command that was
-stopped goes on where it was.
+``--wider`` asks verification and stored numbers where these see nothing. Each copy has a cache of
+its own but for compiled code, whose files are named by what they are made of.
+
+``--coverage FILE`` asks single tests of the whole fast suite in copies of one warm process, which
+takes seconds a line: those that execute the spoiled statement, near ones and the quickest first,
+then the others of their files and of those that name the module; stored numbers last. FILE is the
+data of coverage.py with a context for every test, as ``pytest --cov=toothspace --cov-context=test``
+of pytest-cov writes it, and ``--durations`` the report of ``--junitxml`` of the same run. Compiled
+code is not in it: such lines, and what runs as a module is imported, go the longer way.
+
+The table says which test saw what; ``-o`` keeps it as JSON, and a command that was stopped goes on
+where it was.
 """
 
 from __future__ import annotations
@@ -25,10 +30,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache, partial
 from pathlib import Path
 
+from benchmarks.warm_tests import WarmTests, with_warm_tests
 from toothspace.core.compilation.sources import compiled_folder
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -241,10 +248,14 @@ class Verdict:
 
     mutant: Mutant
     outcome: str
-    """``killed``, ``survived`` or ``timed out``, which is noticed as well."""
+    """``killed`` or ``timed out``, which are noticed; ``survived``, ``not executed`` by any test,
+    ``unfinished`` where tests are left to ask, ``not judged``."""
     test: str
     """First test that failed."""
     seconds: float
+
+
+NOTICED = ("killed", "timed out")
 
 
 def files_of(folders: Iterable[str]) -> list[Path]:
@@ -256,29 +267,26 @@ def files_of(folders: Iterable[str]) -> list[Path]:
     return list(found)
 
 
-def nearest_first(mutant: Mutant) -> list[str]:
-    """Test files of a spoiled line, those that name its module before the others."""
+def naming(mutant: Mutant) -> list[str]:
+    """Test files that name the module of a spoiled line."""
     package, module = mutant.file.removesuffix(".py").replace("/", ".").rpartition(".")[::2]
     named = re.compile(rf"{re.escape(package)}(\.| import .*\b){module}\b")
-    names = {file: named.search(file.read_text("utf-8")) for file in files_of(BEHAVIOUR)}
-    first = [file for file, found in names.items() if found] if mutant.place >= 0 else []
-    files = dict.fromkeys([*first, *files_of(mutant.tests)])
-    return [file.relative_to(REPOSITORY).as_posix() for file in files]
+    found = [file for file in files_of(BEHAVIOUR) if named.search(file.read_text("utf-8"))]
+    return [file.relative_to(REPOSITORY).as_posix() for file in found]
+
+
+def nearest_first(mutant: Mutant) -> list[str]:
+    """Test files of a spoiled line, those that name its module before the others."""
+    room = [file.relative_to(REPOSITORY).as_posix() for file in files_of(mutant.tests)]
+    return list(dict.fromkeys([*(naming(mutant) if mutant.place >= 0 else ()), *room]))
 
 
 COMPILED = {"kernel", "njit", "merged", "inlined"}
 """Marks of functions that run compiled, where no coverage is measured."""
 
 
-def executing(mutant: Mutant, data: Path) -> list[str]:
-    """Test files that execute a spoiled statement: of its room, others, stored numbers last.
-
-    Raises ImportError without coverage.py.
-    """
-    from coverage import CoverageData
-
-    kept = CoverageData(str(data))
-    kept.read()
+def statement(mutant: Mutant) -> tuple[range, bool]:
+    """Lines of a spoiled statement, of one with a body the head, and whether it is compiled."""
     text = (SOURCES / mutant.file).read_text(encoding="utf-8")
     line = text[: mutant.place].count("\n") + 1
     around = [
@@ -293,29 +301,71 @@ def executing(mutant: Mutant, data: Path) -> list[str]:
         for mark in node.decorator_list
     }
     closest = min(around, key=lambda node: (node.end_lineno or 0) - node.lineno)
-    measured = [x for x in kept.measured_files() if x.endswith(f"/toothspace/{mutant.file}")]
-    by_line = kept.contexts_by_lineno(measured[0]) if measured else {}
-    tests = {
-        context.partition("::")[0]
-        for number in range(closest.lineno, (closest.end_lineno or 0) + 1)
-        for context in by_line.get(number, ())
-        if "::" in context
-    }
-    near = [file for file in nearest_first(mutant) if marks & COMPILED or file in tests]
-    others = sorted(tests - {*near}, key=lambda file: (file.startswith("tests/regression"), file))
-    return [*near, *others]
+    body = getattr(closest, "body", None)
+    end = max(closest.lineno + 1, body[0].lineno) if body else (closest.end_lineno or 0) + 1
+    return range(closest.lineno, end), bool(marks & COMPILED)
 
 
-def judged(mutant: Mutant, data: Path | None = None) -> Verdict:
+def executing(mutant: Mutant, data: Path) -> set[str]:
+    """Tests that execute a spoiled statement; an empty name where it runs beside them."""
+    by_line = contexts(data, mutant.file)
+    lines = statement(mutant)[0]
+    return {context.partition("|")[0] for line in lines for context in by_line.get(line, ())}
+
+
+@cache
+def contexts(data: Path, file: str) -> dict[int, list[str]]:
+    """Names of what executes each line of a file. Raises ImportError without coverage.py."""
+    from coverage import CoverageData
+
+    kept = CoverageData(str(data))
+    kept.read()
+    found: dict[int, list[str]] = {}
+    for measured in kept.measured_files():
+        if measured.endswith(f"/toothspace/{file}"):
+            for line, names in kept.contexts_by_lineno(measured).items():
+                found.setdefault(line, []).extend(names)
+    return found
+
+
+def file_of(test: str) -> str:
+    """File of a test."""
+    return test.partition("::")[0]
+
+
+def quickly_judged(mutant: Mutant, data: Path, warm: WarmTests) -> Verdict:
+    """Ask single tests of a spoiled line in copies of this process; else as :func:`judged`."""
+    if statement(mutant)[1]:
+        return judged(mutant)
+    started = time.perf_counter()
+    execute = executing(mutant, data)
+    named = {*naming(mutant)}
+    files = {file_of(test) for test in execute}
+    groups = [
+        [test for test in execute if file_of(test) in named],
+        execute,
+        [test for test in warm.items if file_of(test) in files | named],
+    ]
+    asked = dict.fromkeys(test for group in groups for test in warm.quickest_first(group))
+    order = sorted(asked, key=lambda test: test.startswith("tests/regression"))
+    source = SOURCES / mutant.file
+    spoiled = mutant.spoiled(source.read_text(encoding="utf-8"))
+    outcome, test = warm.answer(source, spoiled, order)
+    if not outcome or (outcome == "survived" and execute == {""}):
+        return judged(mutant)
+    if outcome == "survived" and not execute:
+        outcome = "not executed"
+    return Verdict(mutant, outcome, test, time.perf_counter() - started)
+
+
+def judged(mutant: Mutant) -> Verdict:
     """Run the tests of a spoiled line against a copy of the package.
 
     A test that fails is asked again with the line as it was: one that then fails as well, or cannot
     be read, says nothing of the line, and the others go on without it.
     """
     started = time.perf_counter()
-    asked = executing(mutant, data) if data else nearest_first(mutant)
-    if not asked:
-        return Verdict(mutant, "survived", "", 0.0)
+    asked = nearest_first(mutant)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "toothspace"
         cache = Path(folder) / "cache" / "toothspace"
@@ -384,33 +434,41 @@ def main() -> int:
     parser.add_argument("--room", choices=sorted(ROOMS), nargs="+", default=sorted(ROOMS))
     parser.add_argument("--wider", action="store_true", help="ask verification, stored numbers")
     parser.add_argument("--coverage", type=Path, metavar="FILE", help="ask all that execute it")
+    parser.add_argument("--durations", type=Path, metavar="FILE", help="pytest --junitxml")
+    parser.add_argument("--limit", type=float, default=120.0, help="time for one line [s]")
     parser.add_argument("-o", "--output", type=Path, help="verdicts as JSON")
     given = parser.parse_args()
     drawn = list(random_mutants(given.random, given.seed, given.room))
     chosen = drawn if given.random else list(MUTANTS)
     verdicts = read(given.output)
-    for mutant in chosen[len(verdicts) :]:
-        verdict = judged(mutant, given.coverage)
-        if given.wider and verdict.outcome == "survived":
-            verdict = judged(replace(mutant, tests=WIDER))
-        verdicts.append(verdict)
-        if given.output:
-            text = json.dumps([asdict(v) for v in verdicts], indent=1) + "\n"
-            given.output.write_text(text, "utf-8")
-        change = f"{mutant.before.strip()} -> {mutant.after.strip()}"
-        line = f"{verdict.outcome:9}  {verdict.seconds:5.0f} s  {mutant.file}: {change}"
-        print(f"{line}  {verdict.test}", flush=True)
-    near = sum(
-        verdict.test.partition("::")[0] in nearest_first(verdict.mutant) for verdict in verdicts
-    )
+
+    def judge(judged_line: Callable[[Mutant], Verdict]) -> None:
+        for mutant in chosen[len(verdicts) :]:
+            verdict = judged_line(mutant)
+            if given.wider and verdict.outcome == "survived":
+                verdict = judged(replace(mutant, tests=WIDER))
+            verdicts.append(verdict)
+            if given.output:
+                text = json.dumps([asdict(v) for v in verdicts], indent=1) + "\n"
+                given.output.write_text(text, "utf-8")
+            change = f"{mutant.before.strip()} -> {mutant.after.strip()}"
+            line = f"{verdict.outcome:9}  {verdict.seconds:5.0f} s  {mutant.file}: {change}"
+            print(f"{line}  {verdict.test}", flush=True)
+
+    if given.coverage:
+        with_warm_tests(
+            lambda warm: judge(partial(quickly_judged, data=given.coverage, warm=warm)),
+            given.limit,
+            given.durations,
+        )
+    else:
+        judge(judged)
     stored = sum("tests/regression" in verdict.test for verdict in verdicts)
-    survived = sum(verdict.outcome in {"survived", "not judged"} for verdict in verdicts)
-    noticed = len(verdicts) - survived
+    noticed = sum(verdict.outcome in NOTICED for verdict in verdicts)
     print(
-        f"{noticed} of {len(verdicts)} spoiled lines were noticed, {near} by tests of their room, "
-        f"{stored} by stored numbers alone"
+        f"{noticed} of {len(verdicts)} spoiled lines were noticed, {stored} by stored numbers alone"
     )
-    return int(survived > 0 and not given.random)
+    return int(noticed < len(verdicts) and not given.random)
 
 
 if __name__ == "__main__":
