@@ -281,7 +281,7 @@ def nearest_first(mutant: Mutant) -> list[str]:
     return list(dict.fromkeys([*(naming(mutant) if mutant.place >= 0 else ()), *room]))
 
 
-COMPILED = {"kernel", "njit", "merged", "inlined"}
+COMPILED = {"kernel", "_kernel", "summing_kernel", "njit", "merged", "inlined", "overload"}
 """Marks of functions that run compiled, where no coverage is measured."""
 
 
@@ -295,7 +295,7 @@ def statement(mutant: Mutant) -> tuple[range, bool]:
         if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0)
     ]
     marks = {
-        getattr(mark, "id", "")
+        getattr(mark.func if isinstance(mark, ast.Call) else mark, "id", "")
         for node in around
         if isinstance(node, ast.FunctionDef)
         for mark in node.decorator_list
