@@ -50,8 +50,6 @@ from toothspace.model.film_faces import FILM
 from toothspace.model.floating_bearing import BodyLoad, LateralBalance
 from toothspace.run.elastic import lateral_settings
 
-pytestmark = pytest.mark.slow
-
 FINER = MeshSize(0.13, 0.13, 0.17)
 REPOSITORY = Path(__file__).parents[2]
 BRONZE = Material(elastic_modulus=100e9, poisson_ratio=0.33, hardness=1e9, density=8800.0)
@@ -387,6 +385,7 @@ def _condensed(bodies: ElasticAssembly) -> InfluenceMatrix:
 
 
 @needs_gmsh
+@pytest.mark.slow
 def test_bearing_of_a_file_deforms_as_the_swept_one(tmp_path: Path) -> None:
     """Same block without grooves as tetrahedra and as hexahedra, under every load of a run."""
     path = _block(tmp_path / "block.step")
@@ -404,6 +403,7 @@ def test_bearing_of_a_file_deforms_as_the_swept_one(tmp_path: Path) -> None:
 
 
 @needs_gmsh
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("low", "width", "message"),
     [
@@ -454,6 +454,7 @@ def test_case_names_the_files(tmp_path: Path) -> None:
         load_case(case, ('machine.elastic_bodies.drive_gear="no.step"',))
 
 
+@pytest.mark.slow
 def test_loads_of_a_run_balance_on_the_bodies() -> None:
     """Bearing at rest without friction: what the films, the balance area, nose, springs and seal
     do to the elastic bearing cancels along z, and shafts and housing cancel across."""

@@ -57,8 +57,6 @@ from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.floating_bearing import LateralBalance
 from toothspace.run.elastic import lateral_settings
 
-pytestmark = pytest.mark.slow
-
 REPOSITORY = Path(__file__).parents[2]
 SIZE = MeshSize(0.24, 0.25, 0.2)
 BRONZE = Material(elastic_modulus=100e9, poisson_ratio=0.33, hardness=1e9, density=8800.0)
@@ -232,6 +230,7 @@ def _single(share: float) -> Stack:
     return ring_stack(high_share=share, arrangement="symmetric", cells=CELLS)
 
 
+@pytest.mark.slow
 def test_elastic_halves_settle_where_two_elastic_bearings_would() -> None:
     """A half against the same bearing computed alone; all loads meet on every body."""
     stack, rings, single = _pair(), _Rings(MODULUS), _single(SHARES[0])
@@ -254,6 +253,7 @@ def test_elastic_halves_settle_where_two_elastic_bearings_would() -> None:
         assert abs(left[f"ring_{k}"][2]) < 1e-3 * behind[k]
 
 
+@pytest.mark.slow
 def test_stiff_halves_settle_where_rigid_ones_do() -> None:
     stack = _pair()
     stiff = _settled(stack, elastic_faces(stack.grids, _Rings(1e6 * MODULUS).of_pair()))
@@ -281,6 +281,7 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
     return problem, problem.settle(problem.started(3e-6))
 
 
+@pytest.mark.slow
 def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
     """58 bar: every half rests on its films, and nothing is left of the loads on it.
 
