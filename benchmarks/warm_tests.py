@@ -207,7 +207,16 @@ def with_warm_tests(
     cases = ElementTree.parse(durations).iter("testcase") if durations else ()
     seconds = {f"{x.get('classname')}::{x.get('name')}": float(x.get("time", 1.0)) for x in cases}
     collected = _Collected(work, limit, seconds)
-    options = ["-q", "-s", "-p", "no:cacheprovider", "--rootdir", str(REPOSITORY)]
+    options = [
+        "-q",
+        "-s",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:faulthandler",
+        "--rootdir",
+        str(REPOSITORY),
+    ]
     if pytest.main([*options, str(REPOSITORY / "tests")], plugins=[collected]):
         raise RuntimeError("the tests could not be collected, or the work with them failed")
 

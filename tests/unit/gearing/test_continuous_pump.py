@@ -46,7 +46,6 @@ def test_displacement_is_that_of_the_contact(family: str) -> None:
     assert displacement(assemble(spec)) == pytest.approx(exact, rel=2e-5)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("overlap", [0.5, 0.7, 1.0])
 def test_harmonics_of_the_section_fall_by_sine_over_argument(overlap: float) -> None:
     assembly = assemble(ts.load_case(CASE).machine_spec)
@@ -64,7 +63,6 @@ def test_harmonics_of_the_section_fall_by_sine_over_argument(overlap: float) -> 
     assert np.abs(before[[1, 3, 5]]).max() < 1e-4 * np.abs(before[2])
 
 
-@pytest.mark.slow
 def test_fillings_hold_what_the_spaces_hold() -> None:
     found = machine()
     angles = np.linspace(0.0, 2.0 * np.pi, 60)
@@ -92,7 +90,6 @@ def test_no_filling_joins_both_ports() -> None:
     assert short.value < 0.2
 
 
-@pytest.mark.slow
 def test_shares_of_slices_that_touch_carry_the_whole_load() -> None:
     contact = machine(face_width="24 mm").contacts[0]
     angles = np.linspace(0.0, 2.0 * np.pi, 50)

@@ -108,7 +108,6 @@ def test_a_drawn_section_winds_as_the_generated_one() -> None:
     assert distances[1] == pytest.approx(distances[0], abs=2e-6)  # of the same normal backlash
 
 
-@pytest.mark.slow
 def test_volumes_are_those_of_slices() -> None:
     case = ts.load_case(HELICAL)
     found = api.prepare(case).machine
@@ -143,8 +142,7 @@ def test_mirrored_hands_differ_in_the_sense_of_the_axial_force_alone() -> None:
     assert right.summary()["axial_force_N"] > 0.0
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mesh", ["rigid", "elastic"])
+@pytest.mark.parametrize("mesh", ["elastic", pytest.param("rigid", marks=pytest.mark.slow)])
 def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
     """Pressure and contact add up on the drive gear and cancel on the driven one."""
     found = solved("right", mesh)
@@ -159,7 +157,6 @@ def test_axial_force_is_the_moment_over_the_lead(mesh: str) -> None:
     assert numbers["energy_balance_error"] < 1e-5
 
 
-@pytest.mark.slow
 def test_helical_teeth_with_what_spur_teeth_have_alone_are_refused() -> None:
     with pytest.raises(CaseError, match="helix_hand"):
         ts.load_case(HELICAL, (f"{ANGLE}=0 deg",))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,11 +17,12 @@ from toothspace.closures.gap_flow import parallel_gap_conductance
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.gearing.helix_slices import ALONG
+from toothspace.gearing.helix import Helix
+from toothspace.gearing.helix_slices import ALONG, Slices
 from toothspace.gearing.spaces import section_areas
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.numerics.periodic_table import PeriodicTable
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 from toothspace.run.solved_films import with_solved_films
 from toothspace.solver.flow_regime import along_spaces
 
@@ -141,6 +143,23 @@ def test_faces_see_the_slice_at_their_end() -> None:
         np.testing.assert_array_equal(own.nodes_a, one.nodes_a + first)
         chambers = sliced.chambers_in_section(0.3, lead)
         np.testing.assert_array_equal(chambers[:count], np.arange(count) + first)
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_openings_in_one_face_see_the_slice_beside_it(turn: float) -> None:
+    """Leading ones that at the end whose teeth lead, on whichever side that is."""
+    helix, count = Helix(math.atan(turn), 12, 0.02, 0.3, 0.015), 5
+    slices = Slices(helix, 3, (count, count))
+    nodes, ports = np.arange(count), np.full(count, 2 * count)
+    shut = monotone_table(2.0 * math.pi, np.zeros((8, 3)))
+    opening = FlowPath("recess", ALONG, "orifice", nodes, ports, 1.0, 0.4 * nodes, shut)
+    for end in (1.0, -1.0):
+        (found,) = slices(replace(opening, end=end))
+        assert found.name == "recess"
+        np.testing.assert_allclose(found.phases - opening.phases, 0.5 * end * helix.twist)
+        upper = end * helix.turn_per_length > 0.0
+        np.testing.assert_array_equal(found.nodes_a, nodes + (2 * count if upper else 0))
+        np.testing.assert_array_equal(found.nodes_b, 3 * 2 * count)
 
 
 def test_a_section_sees_the_slice_that_it_passes() -> None:

@@ -39,7 +39,6 @@ def test_the_transverse_section_is_that_of_the_spur_twin() -> None:
     assert machine().displacement == pytest.approx(found.section.displacement, rel=1e-12)
 
 
-@pytest.mark.slow
 def test_a_vanishing_helix_is_a_spur_gear() -> None:
     spur, helical = machine("0 deg", None), machine("1e-4 deg")
     assert spur.winding is None
@@ -52,7 +51,6 @@ def test_a_vanishing_helix_is_a_spur_gear() -> None:
             np.testing.assert_allclose(*areas, atol=1e-5 * largest)
 
 
-@pytest.mark.slow
 def test_volumes_are_those_of_slices_of_one_hand() -> None:
     """The ring leads where the pinion leads: slices of one section, turned together."""
     assembly = assemble(ts.load_case(HELICAL).machine_spec)
@@ -101,8 +99,7 @@ def drawn(folder: Path, suffix: str) -> ts.Case:
     })  # fmt: skip
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("suffix", ["txt", "stl"])
+@pytest.mark.parametrize("suffix", ["txt", pytest.param("stl", marks=pytest.mark.slow)])
 def test_gears_from_files_wind_as_those_of_the_parameters(tmp_path: Path, suffix: str) -> None:
     """The ring of a solid is the body whose bore has the teeth."""
     pytest.importorskip("trimesh")

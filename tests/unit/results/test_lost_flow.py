@@ -142,8 +142,9 @@ def test_parts_sum_in_every_kind_of_run(overrides: list[str]) -> None:
     assert_parts_sum(solution)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["egm12_pump", "gerotor_cycloidal"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("egm12_pump", marks=pytest.mark.slow), "gerotor_cycloidal"]
+)
 def test_what_leaks_out_of_chambers_is_what_paths_leak(name: str, looks: list[Look]) -> None:
     run(name, "run.revolutions=1")
     history, seen = looks[-1].history, looks[-1].seen
@@ -175,9 +176,15 @@ def test_tips_that_would_cut_an_unworn_casing_are_named() -> None:
     assert not any("would cut" in w.text for w in run("egm12_pump", *narrow).warnings)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", ["egm12_pump", "egm12_motor", "crescent_pump", "gerotor_cycloidal"]
+    "name",
+    [
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("egm12_pump", "egm12_motor", "crescent_pump")
+        ),
+        "gerotor_cycloidal",
+    ],
 )
 def test_exchange_in_the_mesh_is_that_of_the_flows_of_the_paths(
     name: str, monkeypatch: pytest.MonkeyPatch

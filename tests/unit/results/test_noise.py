@@ -211,6 +211,24 @@ def test_losses_of_mounts_calm_the_resonance_on_them() -> None:
     assert np.all(np.diff(powers) < 0.0)
 
 
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 2.5])
+def test_on_a_rigid_floor_mounts_carry_a_machine_as_two_damped_springs(ratio: float) -> None:
+    """j omega F / (2 k (1 + j eta) - omega^2 m), and likewise about the axis between the feet."""
+    stiffness, loss = 1e6, 0.2
+    omega = ratio * float(np.sqrt(2.0 * stiffness / CASING.mass))
+    floor = replace(PLATE, thickness=1e3, mount_stiffness=stiffness, mount_loss_factor=loss)
+    complex_stiffness = stiffness * (1.0 + 1j * loss)
+    inertia = CASING.mass * (0.4 * CASING.radius**2 + PLATE.shaft_height**2)
+    lifted = 5.0 * omega / (2.0 * complex_stiffness - omega**2 * CASING.mass)
+    turning = 0.5 * complex_stiffness * PLATE.foot_distance**2 - omega**2 * inertia
+    rocked = 1.5 * omega / turning * PLATE.shaft_height
+    free = sound_powers(only(omega / SPEED, **{NET_Y: 5.0}), CASING, None)["motion"]
+    for forces, velocity in (({NET_Y: 5.0}, lifted), ({NET_MOMENT: 1.5}, rocked)):
+        found = sound_powers(only(omega / SPEED, **forces), CASING, floor)["motion"]
+        expected = free * (abs(velocity) / (5.0 / (omega * CASING.mass))) ** 2
+        assert found == pytest.approx(expected, rel=1e-4)
+
+
 def test_twice_the_force_is_six_decibels() -> None:
     names = {NET_X: 1.0, NET_Y: 2.0, NET_MOMENT: 0.3}
     once = sound_powers(only(50.0, **names), CASING, PLATE)
