@@ -359,7 +359,8 @@ def _impacts(data: Dataset) -> Iterator[Finding]:
         return
     largest, change = float(force.max()), float(np.abs(force.diff("shaft_angle")).max())
     if change > IMPACT_LIMIT * largest:
-        states = round(2.0 * math.pi / float(np.median(np.diff(data["dense_angle"]))))
+        angles = data.get("dense_angle", data["shaft_angle"])
+        states = round(2.0 * math.pi / float(np.median(np.diff(angles))))
         yield Finding(
             "warning",
             f"Contacts are made with a blow: forces change by {change:.3g} N, of {largest:.3g} N, "
