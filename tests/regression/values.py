@@ -11,12 +11,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-import numba
-import numpy as np
-from llvmlite.binding import get_host_cpu_features, get_host_cpu_name
-
 from toothspace import api
-from toothspace.core.compilation.library import compiler_version
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 STORED = Path(__file__).parent / "values.json"
@@ -60,9 +55,6 @@ RIPPLE = 0.1
 crescent pump by 0.05 of its 3.9 %, a processor with 512-bit instructions by 0.03. [%]"""
 COUNTED = 0.01
 """How far it moves a share of the samples: one sample for every tooth of seven in 720. [-]"""
-REPEATED = 1e-9
-"""How far a number is from that of the same computer. [-]"""
-
 
 _UNIT = re.compile(r"_(W|J|bar|rpm|percent|L_per_min|N_m|degC|s)$")
 
@@ -79,18 +71,6 @@ def rounding(name: str, numbers: Mapping[str, float | str]) -> float:
     return max(RELATIVE * abs(alike[0]), SMALL * max(map(abs, alike)))
 
 
-def computer() -> str:
-    """Processor, versions and way of the compiled code: there the same run repeats its bits.
-
-    The environment variables ``NUMBA_CPU_NAME`` and ``NUMBA_CPU_FEATURES`` stand for another one.
-    """
-    name = numba.config.CPU_NAME or get_host_cpu_name()
-    features = numba.config.CPU_FEATURES
-    if features is None:
-        features = ",".join(name for name, has in sorted(get_host_cpu_features().items()) if has)
-    return f"{name} {features}; numba {compiler_version()}, numpy {np.__version__}"
-
-
 def numbers_of(name: str) -> dict[str, float | str]:
     """Run one case and return its stable summary numbers."""
     case, overrides = RUNS[name]
@@ -101,7 +81,7 @@ def numbers_of(name: str) -> dict[str, float | str]:
 
 def main() -> None:
     """Store the numbers of all runs."""
-    stored = {"computer": computer()} | {name: numbers_of(name) for name in RUNS}
+    stored = {name: numbers_of(name) for name in RUNS}
     STORED.write_text(json.dumps(stored, indent=1) + "\n", encoding="utf-8")
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import toothspace as ts
+from benchmarks.random_machines import case_text
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
 from toothspace.core.registry import machine_type, machine_type_names
 from toothspace.core.status import Status
@@ -193,6 +194,21 @@ def test_a_run_that_fails_before_its_second_sample_keeps_the_first():
     assert solution.data.sizes["shaft_angle"] == 1
     assert np.isnan(solution.data["outlet_flow_rate"]).all()
     assert solution.summary()["status"] == "max_steps"
+
+
+@pytest.mark.parametrize("seed", [254, pytest.param(529, marks=pytest.mark.slow)])
+def test_rotors_that_knock_are_told_by_several_revolutions(seed):
+    """Lightly loaded lobes with play: one revolution tells another torque than the next."""
+    solution = ts.simulate(ts.Case.from_toml(case_text(seed)))
+    assert solution.status is Status.DONE
+    assert any("repeats itself" in str(warning) for warning in solution.warnings)
+    turned = solution.ledger.shaft_angle / (2.0 * np.pi)
+    assert turned == pytest.approx(round(turned), rel=1e-9)
+    assert turned > 1.5
+    angle = solution.data["shaft_angle"]
+    assert float(angle[-1] - angle[0]) == pytest.approx(solution.ledger.shaft_angle)
+    assert solution.ledger.mass_balance_error < 1e-7
+    assert solution.ledger.energy_balance_error < 1e-5
 
 
 @pytest.mark.slow

@@ -208,6 +208,12 @@ class RunSettings(IdealKeys, LumpedKeys, ElasticKeys):
     max_revolutions: int = integer(
         "Most revolutions to look for the cyclic state.", low=2, high=100000, default=120
     )
+    averaged_revolutions: int = integer(
+        "Most revolutions that tell the means of a machine which never repeats itself.",
+        low=4,
+        high=1000,
+        default=64,
+    )
     samples_per_revolution: int = integer(
         "Samples that are kept of each revolution.", low=36, high=20000, default=720
     )

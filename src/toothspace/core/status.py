@@ -15,8 +15,8 @@ class Status(Enum):
         "Raise run.max_revolutions."
     )
     NOT_REPEATING = (
-        "Successive revolutions differ and no longer come closer: the machine repeats itself after "
-        "several revolutions, or never. Set run.revolutions; the results are of the last of them."
+        "Successive revolutions differ and no longer come closer, and those averaged leave more "
+        "than half a percent of the means open. Raise run.averaged_revolutions."
     )
     STEP_TOO_SMALL = (
         "The time step fell below its limit. Look at the warnings and at the last events in the "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import io
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -123,7 +124,8 @@ def angle_axis(axes: Axes, label: str = "Shaft angle (deg)", span: float = 360.0
     """Label an axis in degrees with ticks at round angles, for ``span`` degrees."""
     from matplotlib.ticker import MultipleLocator
 
-    step = 60.0 if span > 200.0 else 10.0 if span > 40.0 else 5.0
+    turns = math.ceil(span / 720.0)
+    step = 90.0 * turns if turns > 1 else 60.0 if span > 200.0 else 10.0 if span > 40.0 else 5.0
     axes.set(xlabel=label, xlim=(0.0, span))
     axes.xaxis.set_major_locator(MultipleLocator(step))
 

@@ -359,6 +359,8 @@ def _impacts(data: Dataset) -> Iterator[Finding]:
         return
     largest, change = float(force.max()), float(np.abs(force.diff("shaft_angle")).max())
     if change > IMPACT_LIMIT * largest:
+        angles = data.get("dense_angle", data["shaft_angle"])
+        states = round(2.0 * math.pi / float(np.median(np.diff(angles))))
         yield Finding(
             "warning",
             f"Contacts are made with a blow: forces change by {change:.3g} N, of {largest:.3g} N, "
@@ -366,8 +368,9 @@ def _impacts(data: Dataset) -> Iterator[Finding]:
             quantity="Change of the contact force from one sample to the next",
             found=f"{change:.3g} N",
             allowed=f"up to {IMPACT_LIMIT * largest:.3g} N",
-            advice="Extremes of torque and contact force come from 2880 states of a revolution, "
-            "which may miss the peak of a blow; the low orders of the torque do not depend on it.",
+            advice=f"Extremes of torque and contact force come from {states} states of a "
+            "revolution, which may miss the peak of a blow; the low orders of the torque do not "
+            "depend on it.",
         )
 
 

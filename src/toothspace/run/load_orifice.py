@@ -190,7 +190,9 @@ def _sized(
     for done in range(_ROUNDS):
         history = march_revolutions(system, plan, progress, state)
         balance, marched = outlet_balance(history).after(before), marched + history.revolutions
-        if history.status not in CUT_SHORT and balance.meets(wanted):
+        # one revolution of a machine that does not repeat itself tells no mean pressure
+        differs = history.status is Status.NOT_REPEATING
+        if differs or (history.status not in CUT_SHORT and balance.meets(wanted)):
             history = balanced(history, plan, progress)
             balance = outlet_balance(history).after(before)
         if history.status in CUT_SHORT or balance.meets(wanted):
@@ -220,8 +222,8 @@ def _sized(
             tell(progress, UNKNOWN, f"load orifice, {found} with its last area")
     asked = format_si(wanted + load_pressure, "bar")
     told = _MISSED.format(found=found, asked=asked, match=100.0 * LOAD_MATCH)
-    status = Status.NOT_REACHED if history.status is Status.DONE else history.status
-    return replace(history, status=status), told
+    settled = history.status in (Status.DONE, Status.NOT_REPEATING)
+    return replace(history, status=Status.NOT_REACHED if settled else history.status), told
 
 
 def _following(tried: list[tuple[float, float]]) -> float:

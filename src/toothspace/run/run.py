@@ -191,6 +191,7 @@ class Marches:
         self._plan = RunPlan(
             revolutions=settings.revolutions,
             max_revolutions=settings.max_revolutions,
+            averaged_revolutions=settings.averaged_revolutions,
             samples_per_revolution=settings.samples_per_revolution,
             max_steps=settings.step_limit(over_time=False),
             by_pitch=by_pitch,

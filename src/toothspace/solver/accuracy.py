@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from toothspace.closures.density import mixture_density
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
 from toothspace.results.solution import Solution
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.cyclic import (
+    History,
+    RunPlan,
+    first_turn_state,
+    march_revolutions,
+    march_several,
+)
 from toothspace.solver.outcome import window_ledger
 
 ENERGY_BALANCE = 1e-5
@@ -79,7 +88,53 @@ def balanced(history: History, plan: RunPlan, progress: Progress | None = None) 
         # what smaller errors do not bring closer is the machine's own
         if history.status is Status.NOT_REPEATING and as_far_apart:
             break
+    repeats = history.status is not Status.NOT_REPEATING
+    return history if repeats else _over_several(history, plan, progress)
+
+
+def _over_several(history: History, plan: RunPlan, progress: Progress | None) -> History:
+    """Several revolutions whose energies balance, from a march whose revolutions differ."""
+    tolerance = history.statistics["relative_tolerance"]
+    while True:
+        found = march_several(history, plan, mean_errors, progress)
+        history = _counted(found, tolerance, history.statistics)
+        tolerance *= _TIGHTER
+        if found.status is not Status.DONE or tolerance < _TIGHTEST:
+            break
+        if window_ledger(found).energy_balance_error <= ENERGY_BALANCE:
+            break
+        tighter = history.system.at(relative_tolerance=tolerance)
+        history = replace(history, system=tighter)
     return history
+
+
+def mean_errors(revolutions: Sequence[History]) -> tuple[float, float]:
+    """Standard errors of mean flow and mean torque over revolutions that follow each other. [-].
+
+    Of the flow over that of the displacement, of the torque over the larger of its mean and that of
+    an ideal machine. Half the difference of the two halves of the revolutions where that is larger,
+    as of means that drift.
+    """
+    system, condition = revolutions[0].system, revolutions[0].system.condition
+    displacement = system.description.displacement
+    flows, torques = [], []
+    for one in revolutions:
+        ledger = window_ledger(one)
+        flows.append(ledger.mass["outlet"] / ledger.shaft_angle)
+        torques.append(ledger.shaft_energy / ledger.shaft_angle)
+    fluid = system.arrays.fluid
+    density = mixture_density(condition.inlet_pressure, fluid.feed_gas_mass_fraction, fluid)
+    ideal = displacement * abs(condition.outlet_pressure - condition.inlet_pressure)
+    torque = max(ideal, abs(float(np.mean(torques))))
+    return _error_of_mean(flows) / (float(density) * displacement), _error_of_mean(torques) / torque
+
+
+def _error_of_mean(given: Sequence[float]) -> float:
+    """How far the mean of values of successive revolutions may be from that of very many."""
+    values = np.array(given)
+    first, second = np.array_split(values, 2)
+    scatter = float(values.std(ddof=1)) / np.sqrt(values.size)
+    return max(scatter, 0.5 * abs(float(first.mean() - second.mean())))
 
 
 def solve_to_balance(system: System, solve: Callable[[System], Solution]) -> Solution:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -16,8 +17,16 @@ from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
-from toothspace.solver.integrator import Piece, start_march
+from toothspace.solver.integrator import March, Piece, start_march
 
+_TURN = 2.0 * np.pi
+MEANS = 5e-3
+"""Largest standard error of the means of a machine that never repeats itself, over those of an
+ideal machine. [-]"""
+_FIRST_ASKED = 8
+"""Revolutions after which it is asked first whether they tell means. [-]"""
+_SHOWN_WHOLE = 16
+"""Revolutions up to which all samples are kept. [-]"""
 _PIECES = 48
 """Parts of a revolution after each of which the march is looked at. [-]"""
 DENSE = 11520
@@ -60,6 +69,8 @@ class RunPlan:
     """Shaft revolutions, or None to go on until cyclic."""
     max_revolutions: int = 40
     """Largest number of revolutions on the way to the cyclic state."""
+    averaged_revolutions: int = 64
+    """Most revolutions that tell the means of a machine which never repeats itself."""
     samples_per_revolution: int = 720
     """Samples kept in each revolution."""
     max_steps: int = 50_000_000
@@ -86,7 +97,10 @@ class DenseStates:
 @final
 @dataclass(frozen=True)
 class History:
-    """The last revolution of a march: states at its samples (both ends) and its events."""
+    """The last revolution of a march: states at its samples (both ends) and its events.
+
+    Of a machine that does not repeat itself after one, several.
+    """
 
     status: Status
     system: System
@@ -103,6 +117,10 @@ class History:
     """Smallest of the last changes from one revolution to the next, over what counts as none."""
     alike: int = 1
     """Equal parts of the revolution that differ by the names of the chambers alone. [-]"""
+    spanned: int = 1
+    """Revolutions of the states: several where one does not repeat itself. [-]"""
+    mean_errors: tuple[float, float] | None = None
+    """Of a machine that never repeats itself, standard errors of its mean flow and torque. [-]"""
 
 
 def march_revolutions(
@@ -119,9 +137,7 @@ def march_revolutions(
         if found is not None:
             return found
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
-    turn = 2.0 * np.pi / system.condition.shaft_speed
-    grid = _SampleGrid.with_samples(plan.samples_per_revolution)
-    offsets = turn * grid.shares
+    grid, offsets = _samples_of_a_turn(system, plan)
     limit = plan.revolutions or plan.max_revolutions
     previous: Piece | None = None
     status = Status.DONE if plan.revolutions else Status.NOT_CYCLIC
@@ -130,15 +146,7 @@ def march_revolutions(
     search: _PeriodicSearch | None = None
     try:
         for k in range(limit):
-            # in short pieces, so that a march ends soon where it went astray
-            pieces: list[Piece] = []
-            for part in np.array_split(k * turn + offsets, _PIECES):
-                pieces.append(march.advance(part))
-                share = (k + len(pieces) / _PIECES) / limit if plan.revolutions else UNKNOWN
-                tell(progress, share, f"revolution {k + 1}")
-                if pieces[-1].status is not Status.DONE:
-                    break
-            piece = Piece.joined(pieces)
+            piece = _revolution(march, k, offsets, progress, limit if plan.revolutions else 0)
             if piece.status is not Status.DONE:
                 previous, status = piece, piece.status
                 break
@@ -175,18 +183,123 @@ def march_revolutions(
         if previous is None:
             raise
     assert previous is not None
-    own, dense = (k[k < previous.times.size] for k in (grid.own, grid.dense))
-    return History(
-        status,
-        system,
-        previous.times[own],
-        previous.states[own],
-        previous.events,
-        done,
-        {**march.statistics, "revolutions": float(done)},
-        DenseStates(previous.times[dense], previous.states[dense]) if dense.size > 1 else None,
-        min(changes[-_WAIT:], default=np.inf),
+    return replace(
+        grid.history(status, system, previous),
+        revolutions=done,
+        statistics={**march.statistics, "revolutions": float(done)},
+        apart=min(changes[-_WAIT:], default=np.inf),
     )
+
+
+def march_several(
+    history: History,
+    plan: RunPlan,
+    errors_of: Callable[[Sequence[History]], tuple[float, float]],
+    progress: Progress | None = None,
+) -> History:
+    """Go on from a march whose revolutions do not agree, for what several of them tell.
+
+    A machine may repeat itself after some revolutions: they are returned, and ``done``. Lobes and
+    teeth that knock may never do so: then as many are returned as tell the means to :data:`MEANS`,
+    at most ``plan.averaged_revolutions``, which are ``not_repeating`` where they do not. A march
+    that ends early is the last of these, with its status.
+
+    Parameters
+    ----------
+    errors_of : callable
+        Standard errors of means over revolutions. It is asked of some and of each time twice as
+        many.
+    """
+    system = history.system
+    march = start_march(system, first_turn_state(history), plan.max_steps)
+    grid, offsets = _samples_of_a_turn(system, plan, DENSE // SEEN)
+    every = grid.dense[:: _COMPARED // SEEN]
+    turned: list[History] = []
+    compared: list[Array] = []
+    asked = min(_FIRST_ASKED, plan.averaged_revolutions)
+    found, k = history, 0
+    try:
+        for k in range(1, plan.averaged_revolutions + 1):
+            piece = _revolution(march, k - 1, offsets, progress)
+            one = grid.history(piece.status, system, piece)
+            if piece.status is not Status.DONE:
+                found = one
+                break
+            turned.append(one)
+            compared.append(piece.states[every])
+            agreeing = (
+                back
+                for back in range(1, k)
+                if max(_change(system, compared[-1 - back], compared[-1], back * _TURN)) <= 1.0
+            )
+            period = next(agreeing, 0)
+            if period:
+                found = _joined(turned[-period:])
+                break
+            if k == asked:
+                errors = errors_of(turned)
+                asked = min(2 * asked, plan.averaged_revolutions)
+                if max(errors) <= MEANS or k == asked:
+                    status = Status.DONE if max(errors) <= MEANS else Status.NOT_REPEATING
+                    found = replace(_joined(turned), status=status, mean_errors=errors)
+                    break
+    except KeyboardInterrupt:
+        found = replace(history, status=Status.INTERRUPTED)
+    return replace(
+        found,
+        revolutions=k,
+        statistics={**march.statistics, "revolutions": float(k)},
+        apart=history.apart,
+    )
+
+
+def _joined(parts: Sequence[History]) -> History:
+    """Revolutions that follow each other as one history, with the status of the last.
+
+    Many of them keep no more states in all than some.
+    """
+    most = -(-len(parts) // _SHOWN_WHOLE)
+
+    def chained(arrays: Iterable[Array]) -> Array:
+        first, *others = arrays
+        # the end of one is the beginning of the next
+        whole = np.concatenate([first, *(own[1:] for own in others)])
+        return whole[:: next(k for k in range(most, 0, -1) if (len(whole) - 1) % k == 0)]
+
+    dense = [part.dense for part in parts if part.dense]
+    return replace(
+        parts[-1],
+        times=chained(part.times for part in parts),
+        states=chained(part.states for part in parts),
+        events=tuple(event for part in parts for event in part.events),
+        dense=DenseStates(
+            chained(own.times for own in dense), chained(own.states for own in dense)
+        ),
+        spanned=len(parts),
+    )
+
+
+def _samples_of_a_turn(
+    system: System, plan: RunPlan, dense: int = DENSE
+) -> tuple[_SampleGrid, Array]:
+    """Samples of a revolution, and their times after its start. [s]."""
+    grid = _SampleGrid.with_samples(plan.samples_per_revolution, dense)
+    return grid, _TURN / system.condition.shaft_speed * grid.shares
+
+
+def _revolution(
+    march: March, before: int, offsets: Array, progress: Progress | None, of: int = 0
+) -> Piece:
+    """March one revolution after so many before, of so many in all where that is known."""
+    pieces: list[Piece] = []
+    # in short pieces, so that a march ends soon where it went astray
+    for part in np.array_split(before * offsets[-1] + offsets, _PIECES):
+        pieces.append(march.advance(part))
+        share = (before + len(pieces) / _PIECES) / of if of else UNKNOWN
+        tell(progress, share, f"revolution {before + 1}")
+        if pieces[-1].status is not Status.DONE:
+            break
+    return Piece.joined(pieces)
 
 
 def march_near(
@@ -213,8 +326,8 @@ def _march_pitches(
     alike : float
         Change from pitch to pitch that counts as none, over that of cyclic states. [-]
     """
-    size, count = system.arrays.size, round(2.0 * np.pi / system.description.pitch_angle)
-    pitch = 2.0 * np.pi / count
+    size, count = system.arrays.size, round(_TURN / system.description.pitch_angle)
+    pitch = _TURN / count
     time = pitch / system.condition.shaft_speed
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     grid = _SampleGrid.with_samples(plan.samples_per_revolution)
@@ -309,11 +422,25 @@ class _SampleGrid:
     """Places of the samples and of the dense states among them."""
 
     @classmethod
-    def with_samples(cls, samples: int) -> _SampleGrid:
-        """Grid with so many samples, which mostly are dense states too."""
-        dense, own = (np.arange(count + 1) / count for count in (DENSE, samples))
-        shares = dense if DENSE % samples == 0 else np.union1d(dense, own)
+    def with_samples(cls, samples: int, states: int = DENSE) -> _SampleGrid:
+        """Grid with so many samples and dense states, which mostly are the same."""
+        dense, own = (np.arange(count + 1) / count for count in (states, samples))
+        shares = dense if states % samples == 0 else np.union1d(dense, own)
         return cls(shares, np.searchsorted(shares, own), np.searchsorted(shares, dense))
+
+    def history(self, status: Status, system: System, piece: Piece) -> History:
+        """What a piece, that may have been cut short, says of a revolution."""
+        own, dense = (places[places < piece.times.size] for places in (self.own, self.dense))
+        return History(
+            status,
+            system,
+            piece.times[own],
+            piece.states[own],
+            piece.events,
+            0,
+            {},
+            DenseStates(piece.times[dense], piece.states[dense]) if dense.size > 1 else None,
+        )
 
 
 @final
@@ -371,7 +498,7 @@ class _PeriodicSearch:
         return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
 
 
-def successors(description: MachineDescription, turn: float = 2.0 * np.pi) -> IntArray:
+def successors(description: MachineDescription, turn: float = _TURN) -> IntArray:
     """Chamber that stood, a turn of the shaft [rad] before, where each chamber stands now.
 
     A chamber family may come back onto itself in one shaft revolution with its chambers
@@ -399,8 +526,8 @@ def first_turn_state(history: History) -> Array:
 
 def _in_first_turn(system: System, state: Array) -> Array:
     """State of the same machine whole turns before, its chambers renamed for it."""
-    turns = np.floor(state[0] / (2.0 * np.pi) + 0.5)
-    return _turned(system, state[None], -2.0 * np.pi * turns)[0]
+    turns = np.floor(state[0] / (_TURN) + 0.5)
+    return _turned(system, state[None], -_TURN * turns)[0]
 
 
 def _turned(system: System, states: Array, turn: float) -> Array:
@@ -418,7 +545,7 @@ def _turned(system: System, states: Array, turn: float) -> Array:
 
 
 def _change(
-    system: System, before: Array, after: Array, turn: float = 2.0 * np.pi
+    system: System, before: Array, after: Array, turn: float = _TURN
 ) -> tuple[float, float]:
     """Changes of pressures and of places over what counts as none, between states a turn apart.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +12,7 @@ from toothspace.circuit.network import END_A, END_B, PORT_NODES
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
+from toothspace.core.finding import Finding
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, node_places
@@ -42,6 +43,14 @@ from toothspace.solver.compiled_model import (
 from toothspace.solver.cyclic import DenseStates, History
 from toothspace.solver.lost_flow import Look, looks_at, lost_flow_parts, path_leakage, shares
 
+_REPEATS = (
+    "The machine repeats itself every {0} revolutions: numbers, curves and spectra are of {0}."
+)
+_WANDERS = (
+    "The machine never repeats itself: its parts move in another way in every revolution. Numbers "
+    "and curves are of {0} revolutions, which leave {1:.1g} % of the flow of the displacement and "
+    "{2:.1g} % of the torque open."
+)
 _MARGIN = 0.1
 """Part of the range of a table by which a load may lie outside. [-]"""
 _SIDES = dict(zip(PORT_NODES, ("inlet", "outlet", "drain", "outlet", "inlet"), strict=True))
@@ -115,7 +124,7 @@ def solution_from(
     if "tooth_force" in values:
         labels["tooth"] = [f"tooth_{k}" for k in range(values["tooth_force"].shape[1])]
     data = dataset_from(values, labels, attributes=attributes_of(system.description, title))
-    return Solution(
+    solution = Solution(
         status=history.status,
         data=data,
         ledger=ledger,
@@ -123,6 +132,16 @@ def solution_from(
         provenance=provenance,
         events=history.events,
     )
+    return solution if history.spanned == 1 else solution.with_note(*_of_several(history))
+
+
+def _of_several(history: History) -> Iterator[Finding]:
+    """What to say of a machine that does not repeat itself after one revolution."""
+    if history.mean_errors is None:
+        yield Finding("warning", _REPEATS.format(history.spanned), severity="note")
+    else:
+        flow, torque = history.mean_errors
+        yield Finding("warning", _WANDERS.format(history.spanned, 100 * flow, 100 * torque))
 
 
 def _dense_values(history: History, close: Look) -> dict[str, Array]:

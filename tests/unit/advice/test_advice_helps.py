@@ -355,7 +355,7 @@ FOLLOWED = {
 }
 
 ELSEWHERE = {
-    Status.NOT_REPEATING: "unit/solver: revolutions that are given end as done",
+    Status.NOT_REPEATING: "unit/solver/test_accuracy: more revolutions tell means",
     Status.NOT_CONVERGED: "verification: films on finer grids and from nearby conditions",
     Status.NOT_STORED: "unit/results: streams on a full disk",
     Status.NOT_REACHED: "unit/run: test_load_orifice and test_asked_and_reached",

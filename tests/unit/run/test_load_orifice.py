@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from toothspace.run.load_orifice import (
     march_against_orifice,
     outlet_balance,
 )
-from toothspace.solver.cyclic import RunPlan, march_revolutions
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 
 PLAN = RunPlan(max_revolutions=40, samples_per_revolution=180)
 
@@ -124,3 +125,32 @@ def test_an_orifice_without_effect_ends_the_rounds() -> None:
     assert not load_orifice._stuck([(0.0, 0.1)], wider, narrow, 3e5)
     assert not load_orifice._stuck([(0.0, 1.6)], replace(narrow, pressure=40e5), narrow, 3e5)
     assert not load_orifice._stuck([], narrow, None, 3e5)
+
+
+@pytest.mark.parametrize(("miss", "status"), [(0.0, Status.DONE), (0.1, Status.NOT_REACHED)])
+def test_mean_pressures_of_a_machine_that_differs_are_those_of_several_revolutions(
+    miss: float, status: Status, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What one of its revolutions tells decides on nothing; a pressure that is missed is missed."""
+    alone = set()
+
+    def differing(*given: Any) -> History:
+        history = replace(march_revolutions(*given), status=Status.NOT_REPEATING)
+        alone.add(id(history))
+        return history
+
+    def seen(history: History) -> OutletBalance:
+        balance = outlet_balance(history)
+        off = 0.5 if id(history) in alone else miss
+        return replace(balance, pressure=(1.0 + off) * 49e5)
+
+    def several(history: History, *_: Any) -> History:
+        return replace(history, status=Status.DONE)
+
+    monkeypatch.setattr(load_orifice, "march_revolutions", differing)
+    monkeypatch.setattr(load_orifice, "balanced", several)
+    monkeypatch.setattr(load_orifice, "outlet_balance", seen)
+    plan = replace(PLAN, revolutions=2)
+    history, told = march_against_orifice(pump(150.0, 50e5), plan, None, None)
+    assert history.status is status
+    assert bool(told) == (status is Status.NOT_REACHED)

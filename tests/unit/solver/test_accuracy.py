@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -116,7 +117,7 @@ def test_revolutions_that_never_agree_end_before_the_last_with_their_own_advice(
     history = cyclic.march_revolutions(machine.at(relative_tolerance=1e-4), plan)
     assert history.status is Status.NOT_REPEATING
     assert history.revolutions < 40
-    assert "run.revolutions" in history.status.value
+    assert "run.averaged_revolutions" in history.status.value
     assert "max_revolutions" not in history.status.value
 
 
@@ -156,6 +157,89 @@ def test_what_smaller_errors_do_not_bring_closer_is_left(
 
     monkeypatch.setattr(accuracy, "march_revolutions", march)
     monkeypatch.setattr(accuracy, "first_turn_state", lambda _: None)
+    monkeypatch.setattr(accuracy, "march_several", lambda history, *_: history)
     history = march_to_balance(machine, RunPlan(max_revolutions=60))
     assert history.status is Status.NOT_REPEATING
     assert len(asked) == marches
+
+
+def one_revolution(machine: System) -> History:
+    plan = RunPlan(revolutions=1, samples_per_revolution=36)
+    return cyclic.march_revolutions(machine.at(relative_tolerance=1e-4), plan)
+
+
+def test_a_machine_that_repeats_itself_every_third_revolution_is_told_by_three(
+    machine: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A change that counts as none is seen between revolutions three apart alone."""
+    monkeypatch.setattr(
+        cyclic,
+        "_change",
+        lambda _, __, ___, turn: (abs(turn / (2.0 * np.pi) - 3.0) + 0.5, 0.0),
+    )
+    plan = RunPlan(samples_per_revolution=36)
+    first = one_revolution(machine)
+    found = cyclic.march_several(first, plan, accuracy.mean_errors)
+    assert found.status is Status.DONE
+    assert (found.spanned, found.revolutions, found.mean_errors) == (3, 4, None)
+    assert found.states[-1, 0] - found.states[0, 0] == pytest.approx(6.0 * np.pi, rel=1e-9)
+    assert len(found.times) == 3 * 36 + 1
+    assert np.all(np.diff(found.times) > 0.0)
+    # this machine repeats itself in truth: three revolutions deliver three times one
+    one, three = (accuracy.window_ledger(history) for history in (first, found))
+    assert three.shaft_energy == pytest.approx(3.0 * one.shaft_energy, rel=2e-2)
+
+
+@pytest.mark.parametrize(
+    ("errors", "most", "status", "marched"),
+    [
+        ((0.004, 0.001), 64, Status.DONE, 8),
+        ((0.03, 0.001), 32, Status.NOT_REPEATING, 32),
+        ((0.001, 0.03), 10, Status.NOT_REPEATING, 10),
+    ],
+)
+def test_a_machine_that_never_repeats_itself_is_told_by_means(
+    errors: tuple[float, float],
+    most: int,
+    status: Status,
+    marched: int,
+    machine: System,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As many revolutions as leave half a percent of them open; many keep fewer samples of each."""
+    monkeypatch.setattr(cyclic, "_change", lambda *_: (5.0, 0.0))
+    asked = []
+
+    def errors_of(revolutions: Sequence[History]) -> tuple[float, float]:
+        asked.append(len(revolutions))
+        return errors
+
+    plan = RunPlan(samples_per_revolution=36, averaged_revolutions=most)
+    found = cyclic.march_several(one_revolution(machine), plan, errors_of)
+    assert (found.status, found.spanned, found.revolutions) == (status, marched, marched)
+    assert asked == [n for n in (8, 10, 16, 32) if n <= marched and (n != 10 or most == 10)]
+    assert found.mean_errors == errors
+    assert found.states[-1, 0] - found.states[0, 0] == pytest.approx(2.0 * np.pi * marched)
+    assert len(found.times) <= 16 * 36 + 1
+
+
+def test_errors_of_means_are_those_of_scatter_or_of_drift(
+    machine: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Flows 1, 3, 1, 3: standard deviation over root of four. Torques 1, 1, 3, 3: half apart."""
+    condition, displacement = machine.condition, machine.description.displacement
+    ideal = displacement * (condition.outlet_pressure - condition.inlet_pressure)
+    one = accuracy.window_ledger(one_revolution(machine))
+    density = 870.0
+    monkeypatch.setattr(accuracy, "mixture_density", lambda *_: density)
+    ledgers = iter(
+        replace(
+            one,
+            mass={**one.mass, "outlet": 0.01 * flow * density * displacement * one.shaft_angle},
+            energy={"shaft": 0.01 * torque * ideal * one.shaft_angle},
+        )
+        for flow, torque in zip((1, 3, 1, 3), (1, 1, 3, 3), strict=True)
+    )
+    monkeypatch.setattr(accuracy, "window_ledger", lambda _: next(ledgers))
+    found = accuracy.mean_errors([one_revolution(machine)] * 4)
+    assert found == pytest.approx((0.01 * np.sqrt(4.0 / 3.0) / 2.0, 0.01))
