@@ -34,7 +34,7 @@ LEAST = 30.0
 """Time that every single test may take, and ten times what it takes otherwise. [s]"""
 
 
-@dataclass
+@dataclass(eq=False)  # pytest keeps its plugins in sets
 class WarmTests:
     """Tests that were collected and may be asked.
 
