@@ -7,7 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from toothspace.closures.data_sheet import viscosity_at_100, viscosity_index
+from toothspace.closures.data_sheet import (
+    pressure_viscosity,
+    viscosity_at_100,
+    viscosity_index,
+)
 from toothspace.core.errors import CaseError
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.library import fluids, library_names
@@ -121,3 +125,11 @@ def test_water_is_that_of_the_tables(celsius: int) -> None:
     viscosity, density = WATER[celsius]
     assert 1e3 * liquid.dynamic_viscosity == pytest.approx(viscosity, rel=0.01)
     assert liquid.density == pytest.approx(density, rel=0.005)
+
+
+@pytest.mark.parametrize(("viscosity", "coefficient"), [(1e-3, 6.0), (1e-2, 15.65), (0.1, 25.3)])
+def test_pressure_viscosity_grows_with_each_decade_of_viscosity(
+    viscosity: float, coefficient: float
+) -> None:
+    """0.6 and 0.965 a decade above 1 mPa s, by hand. [1/GPa]."""
+    assert 1e9 * pressure_viscosity(viscosity) == pytest.approx(coefficient)

@@ -95,6 +95,8 @@ def test_a_pump_has_names_of_opc_40223(tmp_path: Path) -> None:
     geometric = value["GeometricDisplacementVolume"] * value["Speed"]
     assert value["GeometricalFlow"] == pytest.approx(geometric)
     summary = solution.summary()
+    volume = 1e-6 * summary["displacement_cm3_per_rev"]
+    assert value["GeometricDisplacementVolume"] == pytest.approx(volume)
     bars = summary["outlet_pressure_bar"] - summary["inlet_pressure_bar"]
     assert value["DifferentialPressure"] == pytest.approx(1e5 * bars)
     # SI units: kg/s, rev/s and kelvin
