@@ -95,17 +95,19 @@ def balanced(history: History, plan: RunPlan, progress: Progress | None = None) 
 def _over_several(history: History, plan: RunPlan, progress: Progress | None) -> History:
     """Several revolutions whose energies balance, from a march whose revolutions differ."""
     tolerance = history.statistics["relative_tolerance"]
-    while True:
-        found = march_several(history, plan, mean_errors, progress)
-        history = _counted(found, tolerance, history.statistics)
+    found = march_several(history, plan, mean_errors, progress)
+    found = _counted(found, tolerance, history.statistics)
+    while found.status is Status.DONE:
         tolerance *= _TIGHTER
-        if found.status is not Status.DONE or tolerance < _TIGHTEST:
+        balances = window_ledger(found).energy_balance_error <= ENERGY_BALANCE
+        if balances or tolerance < _TIGHTEST:
             break
-        if window_ledger(found).energy_balance_error <= ENERGY_BALANCE:
+        tighter = replace(found, system=found.system.at(relative_tolerance=tolerance))
+        again = march_several(tighter, plan, mean_errors, progress)
+        if again.status is not Status.DONE:
             break
-        tighter = history.system.at(relative_tolerance=tolerance)
-        history = replace(history, system=tighter)
-    return history
+        found = _counted(again, tolerance, found.statistics)
+    return found
 
 
 def mean_errors(revolutions: Sequence[History]) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -215,7 +215,7 @@ def march_several(
     grid, offsets = _samples_of_a_turn(system, plan, DENSE // SEEN)
     every = grid.dense[:: _COMPARED // SEEN]
     turned: list[History] = []
-    compared: list[Array] = []
+    compared: list[_Seen] = []
     asked = min(_FIRST_ASKED, plan.averaged_revolutions)
     found, k = history, 0
     try:
@@ -226,11 +226,11 @@ def march_several(
                 found = one
                 break
             turned.append(one)
-            compared.append(piece.states[every])
+            compared.append(_seen(system, piece.states[every]))
             agreeing = (
                 back
                 for back in range(1, k)
-                if max(_change(system, compared[-1 - back], compared[-1], back * _TURN)) <= 1.0
+                if max(_difference(system, compared[-1 - back], compared[-1], back * _TURN)) <= 1.0
             )
             period = next(agreeing, 0)
             if period:
@@ -238,9 +238,9 @@ def march_several(
                 break
             if k == asked:
                 errors = errors_of(turned)
+                status = Status.DONE if max(errors) <= MEANS else Status.NOT_REPEATING
                 asked = min(2 * asked, plan.averaged_revolutions)
-                if max(errors) <= MEANS or k == asked:
-                    status = Status.DONE if max(errors) <= MEANS else Status.NOT_REPEATING
+                if status is Status.DONE or k == asked:
                     found = replace(_joined(turned), status=status, mean_errors=errors)
                     break
     except KeyboardInterrupt:
@@ -526,7 +526,7 @@ def first_turn_state(history: History) -> Array:
 
 def _in_first_turn(system: System, state: Array) -> Array:
     """State of the same machine whole turns before, its chambers renamed for it."""
-    turns = np.floor(state[0] / (_TURN) + 0.5)
+    turns = np.floor(state[0] / _TURN + 0.5)
     return _turned(system, state[None], -_TURN * turns)[0]
 
 
@@ -544,6 +544,23 @@ def _turned(system: System, states: Array, turn: float) -> Array:
     return moved
 
 
+class _Seen(NamedTuple):
+    """What states are compared by."""
+
+    pressure: Array
+    """Of every node. [Pa]"""
+    place: Array
+    """Of every motion. [m] or [rad]"""
+
+
+def _seen(system: System, states: Array) -> _Seen:
+    from toothspace.solver.compiled_model import observe
+
+    size = system.arrays.size
+    pressure = observe(system.arrays, states).pressure
+    return _Seen(pressure, states[:, size.position : size.velocity])
+
+
 def _change(
     system: System, before: Array, after: Array, turn: float = _TURN
 ) -> tuple[float, float]:
@@ -554,16 +571,15 @@ def _change(
     turn : float
         Shaft angle after which the chambers look the same. [rad]
     """
-    from toothspace.solver.compiled_model import observe
+    return _difference(system, _seen(system, before), _seen(system, after), turn)
 
-    old = observe(system.arrays, before).pressure
-    new = observe(system.arrays, after).pressure
-    chambers = system.arrays.size.chambers
+
+def _difference(system: System, before: _Seen, after: _Seen, turn: float) -> tuple[float, float]:
+    """Changes as of :func:`_change`, of states that were looked at."""
+    old, chambers = before.pressure.copy(), system.arrays.size.chambers
     old[:, :chambers] = old[:, successors(system.description, turn)]
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)
-    pressures = float(np.sqrt(np.mean((new - old) ** 2))) / (_CYCLIC_PRESSURE * scale)
-    size = system.arrays.size
-    positions = slice(size.position, size.velocity)
-    moved = np.abs(after[:, positions] - before[:, positions])
+    apart = float(np.sqrt(np.mean((after.pressure - old) ** 2)))
     allowed = _CYCLIC_POSITION * system.arrays.motion[:, col.CLEARANCE]
-    return pressures, float(np.max(moved / allowed, initial=0.0))
+    moved = np.abs(after.place - before.place)
+    return apart / (_CYCLIC_PRESSURE * scale), float(np.max(moved / allowed, initial=0.0))

@@ -174,7 +174,7 @@ def test_a_machine_that_repeats_itself_every_third_revolution_is_told_by_three(
     """A change that counts as none is seen between revolutions three apart alone."""
     monkeypatch.setattr(
         cyclic,
-        "_change",
+        "_difference",
         lambda _, __, ___, turn: (abs(turn / (2.0 * np.pi) - 3.0) + 0.5, 0.0),
     )
     plan = RunPlan(samples_per_revolution=36)
@@ -207,7 +207,7 @@ def test_a_machine_that_never_repeats_itself_is_told_by_means(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """As many revolutions as leave half a percent of them open; many keep fewer samples of each."""
-    monkeypatch.setattr(cyclic, "_change", lambda *_: (5.0, 0.0))
+    monkeypatch.setattr(cyclic, "_difference", lambda *_: (5.0, 0.0))
     asked = []
 
     def errors_of(revolutions: Sequence[History]) -> tuple[float, float]:
@@ -243,3 +243,29 @@ def test_errors_of_means_are_those_of_scatter_or_of_drift(
     monkeypatch.setattr(accuracy, "window_ledger", lambda _: next(ledgers))
     found = accuracy.mean_errors([one_revolution(machine)] * 4)
     assert found == pytest.approx((0.01 * np.sqrt(4.0 / 3.0) / 2.0, 0.01))
+
+
+@pytest.mark.parametrize(("again", "kept"), [(Status.DONE, 1e-7), (Status.NOT_REPEATING, 1e-6)])
+def test_means_whose_energies_do_not_balance_are_marched_tighter_and_kept_where_that_fails(
+    again: Status, kept: float, machine: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    marched: list[float] = []
+
+    def several(history: History, *_: Any) -> History:
+        marched.append(history.system.condition.relative_tolerance)
+        status = Status.DONE if len(marched) == 1 else again
+        return replace(history, status=status, statistics={"revolutions": 8.0})
+
+    def ledger(_: History) -> SimpleNamespace:
+        return SimpleNamespace(energy_balance_error=5e-5 if len(marched) == 1 else 1e-6)
+
+    monkeypatch.setattr(accuracy, "march_several", several)
+    monkeypatch.setattr(accuracy, "window_ledger", ledger)
+    nothing = np.zeros((1, 1))
+    history = History(
+        Status.NOT_REPEATING, machine, nothing, nothing, (), 10, {"revolutions": 10.0}
+    )
+    found = accuracy.balanced(history, RunPlan(max_revolutions=10))
+    assert marched == pytest.approx([1e-6, 1e-7])
+    assert found.status is Status.DONE
+    assert found.statistics["relative_tolerance"] == pytest.approx(kept)
