@@ -35,10 +35,8 @@ from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 
-from benchmarks.warm_tests import WarmTests, with_warm_tests
-from toothspace.core.compilation.sources import compiled_folder
+from benchmarks.warm_tests import REPOSITORY, WarmTests, own_cache, with_warm_tests
 
-REPOSITORY = Path(__file__).resolve().parent.parent
 SOURCES = REPOSITORY / "src" / "toothspace"
 LIMIT = 900.0
 """Longest time for the tests of one spoiled line: a march without end is noticed, too. [s]"""
@@ -256,6 +254,7 @@ class Verdict:
 
 
 NOTICED = ("killed", "timed out")
+"""Outcomes of lines that tests notice."""
 
 
 def files_of(folders: Iterable[str]) -> list[Path]:
@@ -368,10 +367,7 @@ def judged(mutant: Mutant) -> Verdict:
     asked = nearest_first(mutant)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "toothspace"
-        cache = Path(folder) / "cache" / "toothspace"
-        cache.mkdir(parents=True)
-        compiled_folder().mkdir(parents=True, exist_ok=True)
-        (cache / "compiled").symlink_to(compiled_folder(), target_is_directory=True)
+        own_cache(Path(folder))
         shutil.copytree(SOURCES, copy, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copytree(REPOSITORY / "cases", copy / "shipped" / "cases")
         file = copy / mutant.file

@@ -124,7 +124,8 @@ class WarmTests:
         nothing = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nothing, 1)
         os.dup2(nothing, 2)
-        _own_folders(Path(folder))
+        os.environ["TOOTHSPACE_CACHE"] = str(own_cache(Path(folder)))
+        tempfile.tempdir = folder
         if not change():
             there.send(("", ""))
             return
@@ -138,14 +139,13 @@ class WarmTests:
         there.send(("survived", ""))
 
 
-def _own_folders(folder: Path) -> None:
-    """Keep temporary files and caches of this process in a folder, but for compiled code."""
-    cache = folder / "cache" / "toothspace"
-    cache.mkdir(parents=True)
+def own_cache(folder: Path) -> Path:
+    """Make a cache of its own in a folder, but for compiled code. Returns where it is."""
+    cache = folder / "cache"
+    (cache / "toothspace").mkdir(parents=True)
     compiled_folder().mkdir(parents=True, exist_ok=True)
-    (cache / "compiled").symlink_to(compiled_folder(), target_is_directory=True)
-    os.environ["TOOTHSPACE_CACHE"] = str(folder / "cache")
-    tempfile.tempdir = str(folder)
+    (cache / "toothspace" / "compiled").symlink_to(compiled_folder(), target_is_directory=True)
+    return cache
 
 
 def _end(copy: Any) -> None:
