@@ -11,7 +11,18 @@ import pytest
 from tests.tank_circuit import pump_between_tanks
 from toothspace import api
 from toothspace.closures.line_friction import CRITICAL_REYNOLDS
-from toothspace.solver.flow_regime import _lines, gap_reynolds_number, taylor_number
+from toothspace.closures.viscosity import dynamic_viscosity
+from toothspace.model.description import FlowPath
+from toothspace.model.fluid import GasModel, fluid_law
+from toothspace.model.path_category import INLET_PORT, PathCategory
+from toothspace.numerics.periodic_table import monotone_table
+from toothspace.solver.flow_regime import (
+    _bearings,
+    _gaps,
+    _lines,
+    gap_reynolds_number,
+    taylor_number,
+)
 
 
 def test_numbers_by_hand() -> None:
@@ -40,6 +51,66 @@ def test_every_line_is_read_at_its_own_flow() -> None:
     states = np.array([[9.0, 9.0, -1.0, 9.0, 9.0, 9.0, 9.0, 2.0]])
     found = dict(_lines(cast(Any, system), states))
     assert found == {"long": 2.0 * CRITICAL_REYNOLDS, "short": 4.0 * CRITICAL_REYNOLDS}
+
+
+LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
+
+
+def test_a_gap_is_read_where_it_stands_and_with_the_oil_in_it() -> None:
+    """Its own flow over the width at its angle, of all paths in parallel; what is shut is still."""
+    nodes = 2.0 * np.pi * np.arange(720) / 720
+    channels = np.zeros((720, 3))
+    channels[:, 1] = 10e-3 * np.maximum(1.0 + 2.0 * np.cos(nodes), 0.0)
+    table = monotone_table(2.0 * np.pi, channels)
+    port = FlowPath(
+        "port", INLET_PORT, "orifice", np.zeros(2, int), np.ones(2, int), 1.0, np.zeros(2), table
+    )
+    tip = PathCategory("tip", "tooth tips", "#000000", "gap")
+    gap = FlowPath(
+        "tips",
+        tip,
+        "parallel_gap",
+        np.array([0, 1, 1]),
+        np.array([2, 2, 2]),
+        2.0,
+        np.array([0.3, 1.1, np.pi - 0.8]),
+        table,
+        multiplicity=2.0,
+        viscosity_ratio=3.0,
+    )
+    description = SimpleNamespace(laterals=(), paths=(gap, port))
+    system = SimpleNamespace(description=description, arrays=SimpleNamespace(fluid=LAW))
+    pressure = np.array([[1e5, 400e5, 100e5]])
+    states = np.array([[0.4, 150.0]])
+    # paths in the order of compiled code, orifices last; the last gap is shut
+    flow, partner = np.zeros((1, 5)), np.full((1, 5), 2)
+    flow[0] = (1e-4, -3e-3, 9.0, 9.0, 9.0)
+    seen = SimpleNamespace(pressure=pressure, path_flow=flow, path_partner=partner)
+    (found,) = _gaps(cast(Any, system), states, cast(Any, seen), slice(None))
+    width = 2.0 * 10e-3 * (1.0 + 2.0 * np.cos(1.1 + 2.0 * 0.4))
+    thick, thin = (float(dynamic_viscosity(p, LAW)) for p in (400e5, 100e5))
+    expected = 2.0 * 3e-3 / (width * 3.0 * np.sqrt(thick * thin))
+    assert found == ("tooth tips", pytest.approx(expected, rel=1e-3))
+
+
+def test_a_journal_is_read_at_the_speed_of_its_body_and_in_the_oil_of_the_drain() -> None:
+    journal = SimpleNamespace(
+        body="driven_gear", diameter=18e-3, radial_clearance=40e-6, viscosity_ratio=0.5
+    )
+    bodies = (
+        SimpleNamespace(name="drive_gear", speed_ratio=1.0),
+        SimpleNamespace(name="driven_gear", speed_ratio=-0.8),
+    )
+    system = SimpleNamespace(
+        arrays=SimpleNamespace(fluid=LAW),
+        condition=SimpleNamespace(drain_pressure=2e5),
+        description=SimpleNamespace(bodies=bodies, journals=(journal,)),
+    )
+    (found,) = _bearings(cast(Any, system), 300.0)
+    viscosity = 0.5 * float(dynamic_viscosity(2e5, LAW))
+    speed = 0.8 * 300.0 * 9e-3
+    expected = LAW.reference_density * speed * 40e-6 / viscosity * (40e-6 / 9e-3) ** 0.5
+    assert found == ("driven gear", pytest.approx(expected))
 
 
 @pytest.mark.slow
