@@ -190,3 +190,12 @@ def test_what_loads_leave_unexplained_is_told_over_the_source_flow() -> None:
     assert source.pressure_into(20.0) == pytest.approx([16.0])
     stiff = pulsation_source(pressure, 0.0 * flow)
     assert np.isinf(stiff.impedance[0]) or abs(stiff.impedance[0]) > 1e12
+
+
+def test_bands_count_orders_of_the_shaft_whatever_the_revolutions() -> None:
+    angle = np.linspace(0.0, 2.0 * TURN, 1441)
+    signal = 3.0 + np.cos(5.0 * angle) + 0.2 * np.cos(12.0 * angle)
+    uniform, quick = high_pass(angle, signal, 8.0)
+    assert quick == pytest.approx(0.2 * np.cos(12.0 * uniform), abs=1e-3)
+    uniform, slow = low_pass(angle, signal, 8.0)
+    assert slow == pytest.approx(3.0 + np.cos(5.0 * uniform), abs=1e-3)
