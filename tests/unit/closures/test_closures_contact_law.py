@@ -87,3 +87,10 @@ def test_onset_is_smooth() -> None:
     scale = x[1] - x[0]
     assert np.gradient(rows[:, 0], scale) == pytest.approx(rows[:, 1], abs=2e-3)
     assert np.gradient(rows[:, 1], scale) * onset == pytest.approx(rows[:, 2] * onset, abs=3e-3)
+
+
+@pytest.mark.parametrize(("other", "millimetres"), [(50e-3, 9.945), (-50e-3, 7.055)])
+def test_bodies_deform_no_deeper_than_they_are_held(other: float, millimetres: float) -> None:
+    """A lobe of 8.5 mm, both held 8.5 mm below the contact: 8.5 (1 +- 8.5/50) mm."""
+    assert hertz_scale(8.5e-3, other, 8.5e-3) == pytest.approx(1e-3 * millimetres)
+    assert hertz_scale(other, 8.5e-3, 8.5e-3) == pytest.approx(1e-3 * millimetres)

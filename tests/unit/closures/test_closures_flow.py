@@ -198,3 +198,33 @@ def test_drop_is_laminar_at_small_and_kinetic_at_large_flow():
     fast, _ = inertial_laminar_drop(1.0, conductance, area, density)
     assert slow == pytest.approx(1e-12 / conductance, rel=1e-6)
     assert fast == pytest.approx(0.5 * density / area**2, rel=1e-3)
+
+
+def test_a_throttle_is_linear_far_below_one_kilopascal() -> None:
+    """A_d sqrt(2/rho) dp/sqrt(1000 Pa), and the root of the drop far above."""
+    scale = 3e-6 * np.sqrt(2.0 / DENSITY)
+    slow, slope = throttle_flow(0.1, 3e-6, DENSITY)
+    assert slow == pytest.approx(scale * 0.1 / np.sqrt(1e3), rel=1e-6)
+    assert slope == pytest.approx(scale / np.sqrt(1e3), rel=1e-6)
+    assert throttle_flow(1e3, 3e-6, DENSITY)[0] == pytest.approx(
+        scale * np.sqrt(1e3) / 2.0**0.25, rel=1e-9
+    )
+
+
+def test_a_valve_opens_with_a_parabola_of_its_rounding() -> None:
+    """x^2/(2 w k) at half the rounding: 1/8 of w/k; at its end the line goes on."""
+    half, slope = valve_flow(100.5e5, 100e5, 1e10, 1e5)
+    assert half == pytest.approx(0.125 * 1e5 / 1e10)
+    assert slope == pytest.approx(0.5 / 1e10)
+    assert valve_flow(101e5, 100e5, 1e10, 1e5)[0] == pytest.approx(0.5 * 1e5 / 1e10)
+
+
+def test_walls_are_parabolas_up_to_a_tenth_of_their_radius() -> None:
+    """Conductance as h^2.5 below, as h^2 above; the published fit as h^2.4836."""
+    for law, power in ((curved_gap_conductance, 2.5), (fitted_gap_conductance, 2.4836)):
+        narrow = law(0.05e-3, 1.0, 1e-3, VISCOSITY) / law(0.025e-3, 1.0, 1e-3, VISCOSITY)
+        assert narrow == pytest.approx(2.0**power, rel=1e-9)
+        wide = law(0.4e-3, 1.0, 1e-3, VISCOSITY) / law(0.1e-3, 1.0, 1e-3, VISCOSITY)
+        assert wide == pytest.approx(16.0, rel=1e-9)
+    by_hand = 0.0456 * 0.01**2.4836 * 1e-6 * 3.0 / VISCOSITY  # h/R = 0.01, R = 1 mm, b = 3 m
+    assert fitted_gap_conductance(1e-5, 3.0, 1e-3, VISCOSITY) == pytest.approx(by_hand)
