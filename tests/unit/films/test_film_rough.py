@@ -229,7 +229,7 @@ def test_tables_of_thin_films_are_their_laws_from_the_smallest_gap_on() -> None:
             found, steep = tabulated(table, getattr(table, name), float(ratio))
             powers = units[name]
             assert found * size ** powers[0] == pytest.approx(value, rel=1e-5), name
-            assert steep * size ** powers[1] == pytest.approx(slope, rel=1e-3), name
+            assert steep * size ** powers[1] == pytest.approx(slope, rel=1e-3, abs=0.0), name
 
 
 def test_shear_and_stress_factors_of_the_isotropic_pattern_by_hand() -> None:
@@ -354,4 +354,4 @@ def test_real_contact_of_elastic_surfaces_by_hand() -> None:
     """Load over share of area: 0.2346 at once, 0.2346 - 0.0985 + 0.22375 at a quarter."""
     unit = np.pi * 2e11 * 0.4e-6 / (2.0 * 15e-6)
     found = real_contact_share(unit * np.array([1e-12, 0.25]), 0.4e-6, 15e-6, 2e11, 1e15)
-    assert found == pytest.approx([1e-12 / 0.2346, 0.25 / 0.35985], rel=1e-5)
+    assert found == pytest.approx([1e-12 / 0.2346, 0.25 / 0.35985], rel=1e-5, abs=0.0)
