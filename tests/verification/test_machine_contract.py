@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from tests.contact_machine import contact_machine
 from toothspace import api
@@ -213,6 +214,22 @@ def test_numbers_of_a_trochoidal_set_by_hand() -> None:
         "rim of the outer rotor over the lobe height": (26.0 - 21.715) / 5.0,
     }
     assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-4)
+
+
+def test_the_film_round_an_outer_rotor_fills_its_clearance() -> None:
+    """A ring 12 mm wide of 52 mm and the clearance: its mean circumference times its height."""
+    machine = described("gerotor_cycloidal")
+    height = api.load_case(CASES / "gerotor_cycloidal.toml").machine.housing.radial_clearance
+    section = np.pi * (52e-3 + height) * height
+    assert machine.families[1].volume.values == pytest.approx(12e-3 * section)
+    film = shapely.Polygon(machine.chamber_outlines(0.0)[-1])
+    assert film.area == pytest.approx(section, rel=1e-3)
+    assert np.hypot(*film.exterior.coords.xy).min() == pytest.approx(26e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_machines_drain_to_a_bar_unless_the_case_says_otherwise(name: str) -> None:
+    assert described(name).drain_pressure == pytest.approx(1e5)
 
 
 def test_the_land_beside_the_kidneys_is_judged_as_it_is_told() -> None:
