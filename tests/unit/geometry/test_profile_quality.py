@@ -131,9 +131,7 @@ def test_a_wrong_unit_is_answered_with_both_sizes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("distance", "refused"), [(9.7, True), (10.3, False)])
-def test_a_unit_fits_where_gears_are_up_to_ten_radii_apart(
-    distance: float, refused: bool
-) -> None:
+def test_a_unit_fits_where_gears_are_up_to_ten_radii_apart(distance: float, refused: bool) -> None:
     """In inches: without a unit that fits the one that is given stays."""
     gears = load_case(CASE).machine
     drawn = generate_profile(MOTOR).scaled(1.0 / 25.4)

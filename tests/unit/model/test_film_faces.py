@@ -1,4 +1,4 @@
-"""Geometry of film faces: sectors of chambers and of the rim, places, and whose the open wall is."""
+"""Geometry of film faces: sectors of chambers and of the rim, places, whose the open wall is."""
 
 from __future__ import annotations
 

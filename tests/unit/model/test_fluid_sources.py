@@ -13,8 +13,8 @@ import pytest
 
 from toothspace.cli import main
 from toothspace.core.errors import CaseError
-from toothspace.library import library_names, load_fluid
 from toothspace.core.units import ATMOSPHERIC_PRESSURE
+from toothspace.library import library_names, load_fluid
 from toothspace.model import coolprop
 from toothspace.model.coolprop import coolprop_table
 from toothspace.model.fluid import fit_table, known_range, liquid_at
