@@ -36,6 +36,7 @@ from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.flow_paths import bore, bore_cover
+from toothspace.machines.external_gear.summary import profile_checks
 from toothspace.model.description import MachineDescription, RunningIn
 
 REFERENCE_PUMP = Path(__file__).parents[3] / "cases" / "egm12_pump.toml"
@@ -255,6 +256,18 @@ def test_numbers_of_the_report_by_hand() -> None:
     checks = {check.name: check.value for check in machine.checks}
     change = float(found["trapped_volume_mm3"]) - float(found["dead_volume_mm3"])  # type: ignore[arg-type]
     assert checks["trapped volume change"] == pytest.approx(change, rel=0.02)
+
+
+def test_base_pitches_differ_with_the_modules_and_not_with_the_teeth() -> None:
+    """Eleven and thirteen teeth of one rack, and drawn teeth of 2.75 and 2.752 mm."""
+    larger = replace(TWELVE, module=2.752e-3, tip_diameter=40.4e-3)
+    drive, driven = (gear_of(generate_profile(gear, 200), 7.5e-3) for gear in (TWELVE, larger))
+    drawn = egm12("pump", drive=drive, driven=driven, normal_backlash=None, center_distance=34.6e-3)
+    for spec, wanted in ((unequal(11, 13), 0.0), (drawn, 100.0 * (2.752 / 2.75 - 1.0))):
+        (check,) = profile_checks(assemble(spec))
+        assert check.name == "difference of the base pitches"
+        assert check.value == pytest.approx(wanted, abs=1e-9)
+        assert check.passed
 
 
 def test_profile_from_points_gives_the_generated_machine() -> None:
