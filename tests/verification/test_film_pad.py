@@ -320,7 +320,8 @@ def test_a_film_holds_the_liquid_of_gap_and_pocket() -> None:
     pressed = FilmFluid(VISCOSITY, compressible=True)
     for fluid, dense in ((FilmFluid(VISCOSITY), 1.0), (pressed, 1.17)):
         pad = replace(
-            ENDLESS, inlet_height=HEIGHT, fluid=fluid, ambient_pressure=0.59e9,
+            ENDLESS, inlet_height=HEIGHT, fluid=fluid,
+            ambient_pressure=0.59e9, cavitation_pressure=0.1e9,
             pocket=Pocket(3.0 * HEIGHT, 0.5 * LENGTH, 0.5 * LENGTH, 1.0),
         )  # fmt: skip
         film = pad.solve(speed=0.0)
@@ -330,3 +331,10 @@ def test_a_film_holds_the_liquid_of_gap_and_pocket() -> None:
             dense * film.plane.film.gap.centre * np.repeat([1.0, 4.0], 25)[:, None],
             rtol=1e-6,
         )
+
+
+def test_the_error_of_a_balance_is_what_is_missing_over_what_flows() -> None:
+    plane = ENDLESS.solve(speed=SPEED).plane
+    flow = float(np.abs(plane.flows[0]).max())
+    assert plane.relative_error(-0.02 * flow, flow) == pytest.approx(0.02, rel=1e-12)
+    assert plane.relative_error(1e-30, 1e-30) == 0.0

@@ -110,9 +110,8 @@ class Geared(Castle):
         place = np.mod(np.arctan2(y, x) - self.ratio * shaft_angle, SPACES.pitch)
         own = (np.hypot(x, y) < ROOT) | (np.abs(place - 0.5 * SPACES.pitch) < 0.5 * self.tooth)
         chambers = replace(SPACES, angle_ratio=self.ratio, center=self.centre)
-        node = np.where(
-            own, FILM, chambers.nearest(shaft_angle, x + self.centre[0], y + self.centre[1])
-        )
+        near = chambers.nearest(shaft_angle, x + self.centre[0], y + self.centre[1])
+        node = under_recesses(np.where(own, FILM, near), own, self.recesses, x, y)
         return FaceCells(node, np.where(own, 0, NO_BODY))
 
 
@@ -120,17 +119,25 @@ def geared(
     ratio: float = 1.0,
     centre: tuple[float, float] = (0.0, 0.0),
     plane: tuple[float, float, float] = (10e-6, 0.0, 0.0),
+    pocket: bool = False,
+    sectors: int = 0,
 ) -> FaceConductance:
+    """Of teeth of 0.25 rad; a pocket of the cover in the land stands beside the first of them."""
+    angle = np.linspace(0.1, 0.5, 40)[:, None]
+    arc = np.hstack([np.cos(angle), np.sin(angle)])
+    outline = np.vstack([12e-3 * arc, 10.5e-3 * arc[::-1]])
+    recesses = ((TEETH, outline),) if pocket else ()
     face = FilmFace(
         bodies=(FaceBody("gear", centre, TIP),),
         center=centre,
         inner_radius=SHAFT,
         outer_radius=TIP,
         gap=10e-6,
-        face_map=Geared(0.25, (), ratio, centre),
+        face_map=Geared(0.25, recesses, ratio, centre),
         chambers=replace(SPACES, angle_ratio=ratio, center=centre),
-        recesses=np.array([], dtype=np.int64),
+        recesses=np.array([node for node, _ in recesses], dtype=np.int64),
         inner_node=TEETH + 1,
+        sectors=sectors,
     )
     planes = np.tile(np.array(plane), (2, 1, 1))
     return face_conductance(face, FaceResolution(rows=24, lanes=12, angles=2), planes)
@@ -141,6 +148,26 @@ def test_a_face_that_turns_with_another_body_is_the_same_at_its_own_angles() -> 
     for other in (geared(ratio=0.4), geared(ratio=-1.5), geared(centre=(0.03, -0.02))):
         np.testing.assert_allclose(other.matrix, one.matrix, atol=1e-9)
         np.testing.assert_allclose(other.turn, one.turn)
+
+
+def test_a_pocket_that_stands_still_is_passed_at_the_angles_of_the_chambers() -> None:
+    one = geared(pocket=True)
+    np.testing.assert_allclose(geared(ratio=0.4, pocket=True).matrix, one.matrix, atol=1e-9)
+    first, second = one.matrix[:, TEETH, :TEETH]
+    assert np.abs(first - second).max() > 0.05 * np.abs(first).max()
+
+
+def test_sectors_of_the_rim_stand_beside_their_chambers() -> None:
+    """Two to a chamber, each before one half of it and of the tooth beside."""
+    for matrix in geared(sectors=2).matrix:
+        between = -matrix[:TEETH, TEETH + 1 :]
+        for k in range(TEETH):
+            own = between[k, [2 * k, 2 * k + 1]]
+            further = between[k, [2 * k - 1, (2 * k + 2) % (2 * TEETH)]]
+            assert own[0] == pytest.approx(own[1], rel=0.05)
+            assert further[0] == pytest.approx(further[1], rel=0.05)
+            assert own.min() > 1.2 * further.max() > 0.0
+            assert own.sum() + further.sum() > 0.9 * between[k].sum()
 
 
 def test_a_face_leans_as_the_rotations_of_its_plane_say() -> None:
