@@ -338,3 +338,20 @@ def test_the_error_of_a_balance_is_what_is_missing_over_what_flows() -> None:
     flow = float(np.abs(plane.flows[0]).max())
     assert plane.relative_error(-0.02 * flow, flow) == pytest.approx(0.02, rel=1e-12)
     assert plane.relative_error(1e-30, 1e-30) == 0.0
+
+
+def test_a_full_film_does_not_feel_the_pressure_of_a_cavity_that_it_has_not() -> None:
+    """The density is that of the absolute pressure, which is above both."""
+    fluid = FilmFluid(VISCOSITY, compressible=True)
+    base = replace(ENDLESS, fluid=fluid, ambient_pressure=1e8)
+    low, high = (
+        replace(base, inlet_height=2e-6, outlet_height=1e-6, cavitation_pressure=pressure).solve(
+            speed=SPEED
+        )
+        for pressure in (0.0, 9e7)
+    )
+    assert low.status.succeeded
+    assert low.max_pressure > 1.4e8
+    np.testing.assert_allclose(high.pressure, low.pressure, rtol=1e-7)
+    rigid = replace(low.pad, fluid=FilmFluid(VISCOSITY)).solve(speed=SPEED)
+    assert abs(rigid.load / low.load - 1.0) > 5e-4
