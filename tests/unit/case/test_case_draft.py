@@ -78,18 +78,18 @@ def test_pump_of_several_files_becomes_a_case(
 
 
 def test_a_pump_of_four_files_is_drafted_with_what_they_hold(tmp_path: Path) -> None:
-    """Far beside the origin: gears along z of the files, their axes along x, so the outlet at +y."""
+    """Far beside the origin: gears along z of the files and axes along x, so the outlet at +y."""
     far, half = np.array([60e-3, 3e-3]), np.pi / 12.0
-    centers = [shapely.Point(*far + (0.0, y)) for y in (0.0, DISTANCE)]
+    centers = [shapely.Point(far[0], far[1] + y) for y in (0.0, DISTANCE)]
 
     def bores(radius: float) -> shapely.Polygon:
         return shapely.union_all([center.buffer(radius, quad_segs=60) for center in centers])
 
     def gear(y: float, turn: float) -> shapely.Polygon:
-        points = generate_profile(GEAR, 80).closed_polygon(turn, tuple(far + (0.0, y)))
+        points = generate_profile(GEAR, 80).closed_polygon(turn, (far[0], far[1] + y))
         return shapely.Polygon(points)
 
-    middle = far + (0.0, 0.5 * DISTANCE)
+    middle = far + np.array([0.0, 0.5 * DISTANCE])
     ports = shapely.box(far[0] - 25e-3, middle[1] - 8e-3, far[0] + 25e-3, middle[1] + 8e-3)
     casing = shapely.box(*(middle - 50e-3), *(middle + 50e-3)).difference(bores(BORE).union(ports))
     block = solid(tmp_path / "block.stl", bores(BORE - 1e-5).difference(bores(8e-3)), 10e-3)
@@ -138,7 +138,7 @@ def test_single_gear_meshes_with_its_equal(tmp_path: Path) -> None:
     (tmp_path / "pump.toml").write_text(text)
     case = load_case(tmp_path / "pump.toml")
     assert case.machine_spec.drive.tooth.tooth_count == 12
-    # a base pitch apart along the line of action, where the backlash is that of two radii over the teeth
+    # a base pitch along the line of action, at the backlash of two radii over the teeth
     pitch, base = 2.0 * np.pi * GEAR.base_radius / 12.0, 2.0 * GEAR.base_radius
     grooves, bearings = case.machine.relief_grooves, case.machine.journal_bearings
     offset = 0.5 * pitch * base / 34.596e-3
