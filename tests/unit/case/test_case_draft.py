@@ -90,7 +90,7 @@ def test_a_pump_of_four_files_is_drafted_with_what_they_hold(tmp_path: Path) -> 
         return shapely.Polygon(points)
 
     middle = far + np.array([0.0, 0.5 * DISTANCE])
-    ports = shapely.box(far[0] - 25e-3, middle[1] - 8e-3, far[0] + 25e-3, middle[1] + 8e-3)
+    ports = shapely.box(far[0] - 30e-3, middle[1] - 8e-3, far[0] + 25e-3, middle[1] + 8e-3)
     casing = shapely.box(*(middle - 50e-3), *(middle + 50e-3)).difference(bores(BORE).union(ports))
     block = solid(tmp_path / "block.stl", bores(BORE - 1e-5).difference(bores(8e-3)), 10e-3)
     beside = trimesh.load(block)
@@ -116,6 +116,14 @@ def test_a_pump_of_four_files_is_drafted_with_what_they_hold(tmp_path: Path) -> 
     working, tight = (np.arccos(base / apart) for apart in (DISTANCE, 34.44166e-3))
     play = 2e3 * base * (np.tan(working) - working - np.tan(tight) + tight)
     assert float(text.split("normal backlash ")[1].split()[0]) == pytest.approx(play, rel=5e-3)
+
+    # the casing as it stands, whose port on the outlet's side is 25 mm deep and the other 30 mm
+    (tmp_path / "pump.toml").write_text(text)
+    case = load_case(tmp_path / "pump.toml")
+    for toward, ends in (("+y", (-30e-3, 25e-3)), ("-y", (-25e-3, 30e-3))):
+        spec = case.replace({"machine.outlet_toward": toward}).machine_spec
+        x = spec.casing_contour[:, 0]
+        assert (x.min(), x.max()) == pytest.approx(ends, abs=1e-6)
 
 
 def test_bore_of_a_mesh_seals_as_the_circle_that_was_meshed() -> None:
