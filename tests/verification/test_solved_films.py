@@ -13,6 +13,8 @@ from toothspace import api
 from toothspace.closures.bearing_map import build_journal_map, journal_force
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.definitions import RoughSurfaces
+from toothspace.films.journal import map as journal_map
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.map import solved_journal
 from toothspace.films.plane.conductance import (
@@ -127,6 +129,49 @@ def test_journal_map_is_the_solved_film() -> None:
     shear = 2.0 * math.pi * 0.02 * bearing.length * 0.01**3 * speed / (10e-6 * math.sqrt(0.51))
     known = np.interp(0.7, np.linspace(0.0, tables.shear_range, tables.shear.size), tables.shear)
     assert -steady.friction_torque == pytest.approx(known * shear + pull, rel=0.01)
+
+
+@pytest.mark.parametrize("thickness", [math.inf, 8.0])
+def test_a_map_holds_the_films_of_any_size_that_it_was_made_of(
+    thickness: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of few coarse films; smooth walls, and rough ones of an eighth of the clearance."""
+    grid, steps = (36, 7), np.linspace(0.0, 1.8, 4)
+    monkeypatch.setattr(journal_map, "_GRID", grid)
+    monkeypatch.setattr(journal_map, "_GAP_STEPS", steps)
+    monkeypatch.setattr(journal_map, "_DIRECTIONS", np.linspace(0.0, math.pi, 5))
+    tables = solved_journal.__wrapped__(0.8, thickness)
+    clearance, viscosity = 12e-6, 0.05
+    rough = None
+    if math.isfinite(thickness):
+        each = clearance / thickness / math.sqrt(2.0)
+        rough = RoughSurfaces(moving_roughness=each, resting_roughness=each, contact_law="none")
+    bearing = JournalBearing(
+        diameter=0.03,
+        length=0.024,
+        radial_clearance=clearance,
+        dynamic_viscosity=viscosity,
+        grid=grid,
+        cavitation="reynolds",
+        supply="none",
+        surfaces=rough,
+    )
+    chart = build_journal_map(0.8)._replace(nodes=tables.force_nodes)
+    scale = viscosity * bearing.length * (0.015 / clearance) ** 3
+    for step, direction in ((steps[1], 0.0), (steps[2], 0.25 * math.pi), (steps[3], math.pi)):
+        ratio = -math.expm1(-step)
+        velocity = 1e-4 * np.array([math.cos(direction), math.sin(direction)])
+        film = bearing.solve(eccentricity=(ratio, 0.0), shaft_speed=0.0, velocity=tuple(velocity))
+        force = journal_force(ratio * clearance, 0.0, *velocity, 0.0, clearance, scale, chart)
+        assert math.dist(force[:2], film.force) < 5e-3 * film.load
+    ratio = 0.49
+    turning = replace(bearing, cavitation="jfo", supply="auto")
+    steady = turning.solve(eccentricity=(ratio, 0.0), shaft_speed=100.0)
+    pull = 0.5 * ratio * clearance * float(steady.force[1])
+    full = 2.0 * math.pi * viscosity * bearing.length * 0.015**3 * 100.0 / clearance
+    places = np.linspace(0.0, tables.shear_range, tables.shear.size)
+    found = np.interp(ratio, places, tables.shear) * full / math.sqrt(1.0 - ratio**2)
+    assert found == pytest.approx(-steady.friction_torque - pull, rel=1e-3)
 
 
 @pytest.mark.slow

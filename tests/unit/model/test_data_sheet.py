@@ -54,6 +54,13 @@ def test_viscosity_at_100_gives_the_index_back(at_40: float, index: float) -> No
     assert viscosity_index(1e-6 * at_40, at_100) == pytest.approx(index, abs=1e-6)
 
 
+def test_oils_lose_a_tenth_of_their_viscosity_at_least() -> None:
+    """From 40 to 100 degC; an index that asks for less has no viscosity."""
+    known, unknown = (viscosity_index(20e-6, part * 20e-6) for part in (0.88, 0.92))
+    assert viscosity_at_100(20e-6, known) == pytest.approx(0.88 * 20e-6)
+    assert math.isnan(viscosity_at_100(20e-6, unknown))
+
+
 def test_a_sheet_gives_back_what_it_holds(tmp_path: Path) -> None:
     path = written(tmp_path, SHEET)
     for celsius, viscosity in ((40.0, 45.6e-6), (100.0, 8.2e-6)):
