@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,6 +14,8 @@ import toothspace as ts
 from toothspace import api
 from toothspace.closures.space_flow import pressure_along_space
 from toothspace.core.types import Array
+from toothspace.model.description import MachineDescription
+from toothspace.model.path_category import OPENINGS
 from toothspace.run.run import Run
 from toothspace.solver.flow_regime import along_spaces, pressure_along_spaces
 
@@ -65,6 +69,42 @@ def test_a_machine_needs_more_the_faster_it_turns_and_the_same_for_both_hands() 
     left = prepared("left")
     assert pressure_along_spaces(left.machine, left.fluid, SPEED) == pytest.approx(slow, rel=1e-9)
     assert pressure_along_spaces(run.machine, run.fluid, 0.0) == 0.0
+
+
+def test_spaces_that_shrink_evenly_by_hand() -> None:
+    """A(angle) = A0 [1 - s (angle - pi/2)], open at the leading end until it meshes."""
+    first, shrink, ratio, twist, width = 20e-6, 0.4, 0.75, 0.5, LENGTH
+    run = prepared()
+    fluid = run.fluid
+
+    class Volume:
+        def __call__(self, angle: Array) -> Array:
+            return width * first * (1.0 - shrink * (angle[..., None] - 0.5 * np.pi))
+
+        def derivative(self, angle: Array) -> Array:
+            return np.full((*angle.shape, 1), -width * first * shrink)
+
+    def still_open(angle: Array) -> Array:
+        return np.where(angle < np.pi - 1e-9, 1e-6, 0.0)[:, None]
+
+    opening = next(path for path in run.machine.paths if path.category.role in OPENINGS)
+    path = SimpleNamespace(category=opening.category, nodes_a=np.array([0]), geometry=still_open)
+    family = SimpleNamespace(volume=Volume(), angle_ratio=ratio, phases=np.zeros(7))
+    section = SimpleNamespace(families=[family], paths=[path])
+    winding = SimpleNamespace(twist=twist, turn_per_length=-twist / width, section=section)
+    machine = cast(MachineDescription, SimpleNamespace(winding=winding))
+    shut = first * (1.0 - shrink * 0.5 * np.pi)
+    end = shut + first * shrink * twist * ratio
+    largest = first * (1.0 + shrink * twist * ratio)
+    passing = SPEED * width / twist
+    per_area = width / (end - shut)
+    gain = passing * shrink * first * per_area * (np.log(end / shut) - 1.0 + shut / end)
+    inertia = fluid.reference_density * SPEED * ratio * gain
+    bernoulli = 0.5 * fluid.reference_density * (passing * (1.0 - shut / end)) ** 2
+    curved = 1.0 / shut - 1.0 / end - 0.5 * shut * (1.0 / shut**2 - 1.0 / end**2)
+    friction = 32.0 * fluid.dynamic_viscosity * passing * largest * per_area * curved
+    found = pressure_along_spaces(machine, fluid, SPEED)
+    assert found == pytest.approx(inertia + bernoulli + friction, rel=1e-3)
 
 
 @pytest.mark.slow
