@@ -298,18 +298,19 @@ def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
     """As :func:`solve_film` for ``[bearing]``; forces and torques act on the shaft by the film."""
     from toothspace.run.stand_alone import solve
 
-    return solve(case, case.bearing, describe, fields)
+    return solve(case, "bearing", describe, fields)
 
 
 def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     """Solve the table ``[film]`` of a case to numbers with unit suffixes.
 
     The load of a pad is that of the pressure above ambient. ``fields`` names a file for the
-    fields, NetCDF (.nc) or VTK (.vts); one per body of a machine.
+    fields, NetCDF (.nc) or VTK (.vts); one per body of a machine. Raises CaseError if the case has
+    no such table.
     """
     from toothspace.run.stand_alone import solve
 
-    return solve(case, case.film, describe, fields)
+    return solve(case, "film", describe, fields)
 
 
 def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder: Path) -> str:

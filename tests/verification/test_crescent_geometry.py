@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.crescent_designs import crescent
+from tests.crescent_designs import CASE, crescent
 from tests.reference_formulas.space_areas import section_area_rates
+from toothspace.api import describe, load_case
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import (
@@ -44,12 +45,14 @@ from toothspace.machines.crescent.assembly import (
 from toothspace.machines.crescent.summary import (
     geometry_summary,
     overlap,
+    sealed_teeth,
     tip_clearance,
     trimming_distance,
 )
 
 ALPHA = np.deg2rad(27.5)
 MODULE = 5e-3
+HELIX = ("machine.pinion.helix_angle=3 deg", "machine.pinion.helix_hand=right")
 
 
 @cache
@@ -239,6 +242,62 @@ def test_fouling_tips_and_trimming_are_seen() -> None:
     assert tip_clearance(involute_pair(close)) < 0.0
     with pytest.raises(GeometryError):
         assemble(close)
+
+
+@pytest.mark.parametrize("count", [19, 20])
+def test_tips_pass_each_other_by_how_much_later_the_pinion_crosses(count: int) -> None:
+    """Flanks that touch at the pitch point, and the turns after which their tips cross circles."""
+    pair = involute_pair(crescent(tooth_count=count))
+    turned_by = []
+    for gear, radius, ratio, sense in (
+        (pair.pinion, pair.pitch_radii[0], 1.0, 1.0),
+        (pair.ring, pair.pitch_radii[1], pair.speed_ratio, -1.0),
+    ):
+        tip = gear.tip_radius
+        # where the tip circles cross, from the centre of the ring with that of the pinion on x
+        first, second, apart = *pair.tip_radii, pair.center_distance
+        x = (second**2 - first**2 + apart**2) / (2.0 * apart)
+        y = np.sqrt(second**2 - x**2)
+        crossing = np.arctan2(y, x - (apart if ratio == 1.0 else 0.0))
+        behind = sense * (gear.half_angle(radius) - gear.half_angle(tip))
+        turned_by.append((crossing + behind) / ratio)
+    wanted = pair.pinion.tip_radius * (turned_by[0] - turned_by[1])
+    assert tip_clearance(pair) == pytest.approx(wanted, rel=1e-9)
+
+
+def test_a_pinion_that_fouls_on_the_way_in_does_so_over_a_part_of_it() -> None:
+    """Twenty teeth of the ring: teeth overlap over an eighth of the way, within one of 24 steps."""
+    assembly = assemble(crescent(tooth_count=20))
+    way = -assembly.mesh.center_distance
+    ring, pinion = assembly.ring_curve, solids(assembly, 0.0)[0]
+    fouls = [
+        pinion.difference(shapely.Polygon(ring - np.array([0.0, part * way]))).area > 1e-10
+        for part in np.linspace(0.0, 1.0, 120, endpoint=False)
+    ]
+    assert 0.05 < np.mean(fouls) < 0.5
+    assert trimming_distance(assembly) == pytest.approx(np.mean(fouls) * way, abs=way / 24)
+
+
+def test_rules_count_in_working_modules() -> None:
+    """Of the working pitch: twice the centre distance over the difference of the tooth counts."""
+    found = describe(load_case(CASE))
+    checks = {check.name: check.allowed for check in found.checks}
+    (fouled,) = (c.value for c in found.checks if c.name == "overlap of the teeth")
+    assert fouled == pytest.approx(1e6 * overlap(assemble(load_case(CASE).machine_spec)))
+    apart = found.geometry_summary["center_distance_mm"]
+    for name, modules in (("root clearance, ring", 0.05), ("tip land, pinion", 0.2)):
+        least = float(checks[name].split()[2])
+        assert least == pytest.approx(modules * 2.0 * apart / (19 - 13), rel=6e-3)
+
+
+def test_teeth_that_seal_along_a_helix_are_fewer_by_its_overlap() -> None:
+    """160 degrees of filler less 20 mm of notch and the land itself, in pitches."""
+    helical = assemble(load_case(CASE, HELIX).machine_spec)
+    assert helical.helix is not None
+    pinion = helical.teeth[0]
+    span = np.radians(160.0) - 20e-3 / pinion.tip_radius - pinion.land_angle
+    pitches = 13.0 * span / (2.0 * np.pi)
+    assert sealed_teeth(helical, 0) == pytest.approx(pitches - helical.helix.overlap_ratio)
 
 
 @pytest.mark.parametrize("gear", [0, 1])

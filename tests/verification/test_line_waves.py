@@ -152,6 +152,39 @@ def test_turbulent_friction_is_smooth_and_follows_blasius() -> None:
         assert turbulent_growth(ratio)[1] == pytest.approx(slope, abs=2e-5)
 
 
+@pytest.mark.parametrize("reynolds", [2000.0, 4000.0])
+def test_friction_of_both_regimes_meets_that_of_the_transition(reynolds: float) -> None:
+    below, above = (turbulent_growth(reynolds * f / 2300.0) for f in (1.0 - 1e-9, 1.0 + 1e-9))
+    assert above == pytest.approx(below, rel=1e-6, abs=1e-6)
+
+
+def test_friction_of_the_transition_by_hand() -> None:
+    """At Re 2500 laminar and three quarters of the way to go: 1 + 5/32 (Blasius - 1)."""
+    blasius = 0.3164 * 2500.0**-0.25 / (64.0 / 2500.0)
+    growth, _ = turbulent_growth(2500.0 / 2300.0)
+    assert growth == pytest.approx(1.0 + 5.0 / 32.0 * (blasius - 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("highest", [1e3, 1e5])
+def test_weights_of_the_branches_fit_the_impedance_best(highest: float) -> None:
+    """No weight may change: the squares of the relative error over all frequencies are least."""
+    rates, weights = memory_branches(highest).T
+    s = 1j * np.geomspace(0.1, highest, 200)
+    exact = s + 8.0 + 4.0 * s * memory_transform(s)
+    fitted = s + 8.0 + 4.0 * s * np.sum(weights / (s[:, None] + rates), axis=1)
+    by_weight = 4.0 * (s / exact)[:, None] * weights / (s[:, None] + rates)
+    slope = np.sum(by_weight.conj() * (fitted / exact - 1.0)[:, None], axis=0).real
+    assert np.abs(slope / np.sum(np.abs(by_weight) ** 2, axis=0)).max() < 1e-6
+    assert rates == pytest.approx(26.374616427163392 * 6.0 ** np.arange(rates.size), rel=1e-12)
+    assert highest < rates[-1] < 36.0 * highest
+
+
+def test_branches_reach_four_times_the_first_rate_at_least() -> None:
+    least = memory_branches(4.0 * 26.374616427163392)
+    np.testing.assert_array_equal(memory_branches(1.0), least)
+    assert np.abs(memory_branches(4.05 * 26.374616427163392)[:, 1] / least[:, 1] - 1.0).max() > 1e-6
+
+
 def run(text: str, *overrides: str) -> Solution:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "circuit.toml"
@@ -214,6 +247,20 @@ def test_soft_coupling_lets_the_load_swing_at_its_own_frequency() -> None:
     swing = np.sqrt(2.0 / 0.0035)
     expected = -0.2 / 0.0035 / swing * np.sin(swing * data["time"].values)
     np.testing.assert_allclose(data["load_speed"].values, expected, atol=0.02 * 2.4)
+
+
+def test_a_coupling_turns_its_load() -> None:
+    """J dw/dt = coupling torque - load torque, with the damping of the coupling in the first."""
+    text = MOTOR.replace('linear = "0.0002 N m/rpm"\ncubic = "4e-7 N m s^3/rad^3"\n', "")
+    push = '\n[circuit.push]\nkind = "torque_source"\ntorque = [["0 s", "0.2 N m"]]\n'
+    damped = COUPLING.format(stiffness=2, damping=0.02)
+    short = 'circuit.duration="0.15 s"', "run.time_samples=200"
+    data = run(text + damped + push, *short).data
+    time, speed = data["time"].values, data["load_speed"].values
+    turning = (data["coupling_torque"] - data["load_torque"]).values
+    gained = 0.0035 * np.gradient(speed, time)
+    np.testing.assert_allclose(gained[1:-1], turning[1:-1], atol=4e-3)
+    assert np.abs(speed).max() == pytest.approx(0.2 / np.sqrt(2.0 * 0.0035), rel=0.2)
 
 
 SOFT = COUPLING.format(stiffness=5, damping=0)

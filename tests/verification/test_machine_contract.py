@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from tests.contact_machine import contact_machine
 from toothspace import api
@@ -181,6 +182,65 @@ def test_numbers_of_a_cycloidal_set_by_hand() -> None:
         "land beside the kidneys to the shaft": 100.0 * (12.5 - 6.245) / (12.49 - 6.245),
     }
     assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-5)
+
+
+def test_numbers_of_a_trochoidal_set_by_hand() -> None:
+    """Lobes of 8.5 mm on 25.2 mm, 2.5 mm off centre; a clearance of 30 um, half on each rotor."""
+    machine = described("gerotor_trochoidal")
+    found = dict(machine.geometry_summary)
+    turn = np.linspace(0.0, 2.0 * np.pi, 20001)
+    path = 25.2 * np.exp(1j * turn) + 2.5 * np.exp(7j * turn)
+    rate = 25.2j * np.exp(1j * turn) + 17.5j * np.exp(7j * turn)
+    bend = -25.2 * np.exp(1j * turn) - 122.5 * np.exp(7j * turn)
+    sharpest = 1.0 / (np.imag(np.conj(rate) * bend) / np.abs(rate) ** 3).max()
+    assert np.abs(path).max() == pytest.approx(27.7)
+    teeth = {
+        "inner_tip_diameter_mm": 2.0 * (27.7 - 8.5) - 0.03,
+        "inner_root_diameter_mm": 2.0 * (22.7 - 8.5) - 0.03,
+        "outer_tip_diameter_mm": 2.0 * (25.2 - 8.5) + 0.03,
+        "outer_root_diameter_mm": 2.0 * (25.2 - 8.5 + 5.0) + 0.03,
+        "no_undercut_limit_mm": sharpest,
+        "smallest_tip_gap_um": 30.0,
+    }
+    assert {name: found[name] for name in teeth} == pytest.approx(teeth, rel=1e-5)
+    checks = {check.name: check.value for check in machine.checks}
+    sealed = 1e-2 * checks["volume change of a sealed pocket over the largest pocket"]
+    trapped = sealed * found["max_pocket_volume_mm3"]
+    assert found["trapped_volume_mm3"] == pytest.approx(trapped)
+    rules = {
+        "lobe radius over its no-undercut limit": 8.5 / sharpest,
+        "lobe radius over half the lobe distance": 8.5 / (25.2 * np.sin(np.pi / 7.0)),
+        "smallest convex radius of the inner rotor": sharpest - 8.5 - 0.015,
+        "rim of the outer rotor over the lobe height": (26.0 - 21.715) / 5.0,
+    }
+    assert {name: checks[name] for name in rules} == pytest.approx(rules, rel=1e-4)
+
+
+def test_the_film_round_an_outer_rotor_fills_its_clearance() -> None:
+    """A ring 12 mm wide of 52 mm and the clearance: its mean circumference times its height."""
+    machine = described("gerotor_cycloidal")
+    height = api.load_case(CASES / "gerotor_cycloidal.toml").machine.housing.radial_clearance
+    section = np.pi * (52e-3 + height) * height
+    assert machine.families[1].volume.values == pytest.approx(12e-3 * section)
+    film = shapely.Polygon(machine.chamber_outlines(0.0)[-1])
+    assert film.area == pytest.approx(section, rel=1e-3)
+    assert np.hypot(*film.exterior.coords.xy).min() == pytest.approx(26e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_machines_drain_to_a_bar_unless_the_case_says_otherwise(name: str) -> None:
+    assert described(name).drain_pressure == pytest.approx(1e5)
+
+
+def test_the_land_beside_the_kidneys_is_judged_as_it_is_told() -> None:
+    """Kidneys that leave 52 % of the land to the shaft, taken as half the roots of 24.98 mm."""
+    case = api.load_case(CASES / "gerotor_cycloidal.toml")
+    inner = 6.245 * (1.0 + 0.52)
+    machine = api.describe(case.replace({"machine.ports.inner_radius": f"{inner} mm"}))
+    (check,) = (c for c in machine.checks if c.name == "land beside the kidneys to the shaft")
+    assert check.value == pytest.approx(52.0)
+    assert check.passed
+    assert check.allowed.startswith("above 50 %")
 
 
 NUMBER = r"(-?[0-9.]+(?:e-?[0-9]+)?)"

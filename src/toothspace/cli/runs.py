@@ -188,8 +188,6 @@ def _film_command(table: str, meaning: str) -> Callable[..., int]:
             else require_writable(fields, "-o", replace=force, endings=(".nc", ".vts"))
         )
         case = load(case_file, overrides)
-        if getattr(case, table) is None:
-            raise CaseError(f"{case_file}: {table}", "nothing", f"a table [{table}]")
         from toothspace import api
         from toothspace.films.summaries import grid_report
 

@@ -22,6 +22,11 @@ class Status(Enum):
         "The time step fell below its limit. Look at the warnings and at the last events in the "
         "result; check clearances, the timing of the ports and pressures."
     )
+    FLUID_ENCLOSED = (
+        "A space shrinks by more than a liquid can be compressed and nothing lets the fluid out: "
+        "its pressure passed that at which oils are solid. A warning says what lets it out. "
+        "Follow it."
+    )
     OUT_OF_MESH = (
         "A body turned so far from its place in the mesh that its teeth would have skipped: a "
         "warning says which. Follow it."

@@ -44,6 +44,7 @@ _CHANGE = "change"
 CUT_SHORT = (
     Status.INTERRUPTED,
     Status.STEP_TOO_SMALL,
+    Status.FLUID_ENCLOSED,
     Status.MAX_STEPS,
     Status.OUT_OF_MESH,
 )

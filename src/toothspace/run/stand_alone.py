@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from inspect import signature
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 
@@ -60,7 +60,7 @@ _SUMMARIES: Mapping[type, Callable[[Any], dict[str, Any]]] = {
 
 def solve(
     case: Case,
-    keys: FilmKeys | None,
+    table: Literal["bearing", "film"],
     describe: Callable[[Case], MachineDescription],
     fields: Path | None,
 ) -> dict[str, Any]:
@@ -68,13 +68,14 @@ def solve(
 
     ``describe`` gives the machine of a case, for a film on its faces.
     """
+    keys: FilmKeys | None = getattr(case, table)
+    if keys is None:
+        raise CaseError(table, "nothing", f"a table [{table}]").in_file(case.label)
     if fields is not None:
         require_ending(fields, "-o", tuple(FILE_SUFFIXES))
     started = time.perf_counter() - compile_seconds()
-    assert keys is not None
     # film at its viscosity, and the numbers of its heat balance if there is one
     solve = _film_at(case, keys, describe)
-    place = "bearing" if isinstance(keys, JournalBearingCase) else "film"
     if keys.heat is None:
         if keys.dynamic_viscosity is None and case.fluid is None:
             allowed = "allowed are a viscosity or a [fluid]"
@@ -83,12 +84,12 @@ def solve(
         film, heat = solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
     else:
         if case.fluid is None:
-            raise CaseError(f"{place}.heat", "no fluid", "the viscosity of a table [fluid]")
+            raise CaseError(f"{table}.heat", "no fluid", "the viscosity of a table [fluid]")
         heating = film_heating(case, keys.heat.oil_share)
         try:
             heated = solve_heated(solve, heating.viscosity, heating.balance)
         except CaseError as error:
-            raise error.under(place if error.problems[0].key == "heat" else "") from error
+            raise error.under(table if error.problems[0].key == "heat" else "") from error
         film, heat = heated.film, summaries.heat_summary(heated)
     summary = _SUMMARIES[type(film)](film) | heat
     if isinstance(keys, JournalBearingCase) and keys.orbit is not None:

@@ -26,7 +26,7 @@ from toothspace.numerics.ndf_types import (
     make_state,
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
-from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
+from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin, observe
 
 _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
@@ -34,6 +34,9 @@ _SHORTEST_STEP = 1e-15
 _SLOWEST_SPEED = 0.1
 _DAMPED_ORDER = 2
 """Highest order where bodies ring: beyond it, lightly damped oscillations bound the step. [-]"""
+_SOLID = 1e9
+"""Pressure at which oils are glass; a march that ends beyond it had no way out for its fluid
+(S. Alsaad et al., "Glass transitions in lubricants", J. Lubr. Technol. 100, 1978). [Pa]"""
 _STATUS = {
     DONE: Status.DONE,
     TERMINAL_EVENT: Status.DONE,
@@ -70,6 +73,8 @@ class March:
         status = _STATUS.get(code, Status.STEP_TOO_SMALL)
         if skips(self.system, record.samples[:written]).any():
             status = Status.OUT_OF_MESH
+        elif status is Status.STEP_TOO_SMALL and self._highest_pressure() > _SOLID:
+            status = Status.FLUID_ENCLOSED
         count = min(int(record.counts[1]), record.event_times.size)
         events = []
         for k in range(count):
@@ -91,6 +96,12 @@ class March:
         begin(self.system.arrays, integration, time, state)
         for name in _COUNTERS.values():
             self.state.control[name] += before[name]
+
+    def _highest_pressure(self) -> float:
+        """Highest pressure in a chamber at the state that was reached. [Pa]."""
+        arrays = self.system.arrays
+        seen = observe(arrays, self.state.y[None], self.state.control["time"])
+        return float(seen.pressure[0, : arrays.size.chambers].max())
 
     @property
     def statistics(self) -> dict[str, float]:

@@ -70,6 +70,46 @@ LARGE_MOTOR = {
     },
     "run": {"fidelity": "lumped", "until": "cyclic", "samples_per_revolution": 180},
 }
+TIGHT_MOTOR = {
+    "schema": 1,
+    "title": "Cycloidal motor of 8 and 9 lobes in cold oil with tip gaps of 8 um",
+    "machine": {
+        "type": "gerotor",
+        "mode": "motor",
+        "rotors": {
+            "kind": "cycloidal",
+            "inner_tooth_count": 8,
+            "eccentricity": "4.8941 mm",
+            "face_width": "23.2051 mm",
+            "tip_clearance": "7.57 um",
+        },
+        "housing": {
+            "outer_rotor_diameter": "102.8445 mm",
+            "radial_clearance": "92.2 um",
+            "end_condition": "no_flow",
+        },
+        "ports": {
+            "timing": "kinematic",
+            "inner_radius": "24.7834 mm",
+            "outer_radius": "38.2507 mm",
+        },
+        "lateral": {"side_gap": "12 um"},
+        "inlet": {"volume": "60 cm^3"},
+        "outlet": {"volume": "60 cm^3"},
+    },
+    "fluid": {
+        "name": "iso_vg_32",
+        "temperature": "-9.6 degC",
+        "free_air_fraction": 0.002,
+        "dissolved_air_fraction": 0.08,
+    },
+    "operating_point": {
+        "shaft_speed": "1732 rpm",
+        "inlet_pressure": "7.127 bar",
+        "outlet_pressure": "0.3677 bar",
+    },
+    "run": {"fidelity": "lumped", "until": "cyclic", "samples_per_revolution": 180},
+}
 WIDE_ROTORS = {
     "schema": 1,
     "title": "Rotors of 0.2 mm tip clearance and 0.4 mm eccentricity",
@@ -204,9 +244,17 @@ FOLLOWED = {
         {},
         {"machine.relief_grooves": GROOVES},
         LARGE_MOTOR,
-        Status.STEP_TOO_SMALL,
+        Status.FLUID_ENCLOSED,
         0.1,
         (SLOW,),
+    ),
+    "tip gaps of a motor that fails": Advice(
+        PRESSURE,
+        "widen machine.rotors.tip_clearance",
+        {},
+        {"machine.rotors.tip_clearance": "100 um"},
+        TIGHT_MOTOR,
+        Status.FLUID_ENCLOSED,
     ),
     "teeth that do not skip": Advice(
         "Turning out of the mesh",

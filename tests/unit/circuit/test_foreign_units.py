@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.toy_machine import toy_machine
 from tests.unit.circuit.test_circuit_ledger import PLACES, STORE, check, motor
 from toothspace import api
 from toothspace.case import Case
@@ -19,11 +16,7 @@ from toothspace.circuit.fmu import LinkedUnit
 from toothspace.core.compilation.library import Way, chosen
 from toothspace.core.errors import CaseError
 from toothspace.fmi.machine_unit import export_machine
-from toothspace.model.assembly import assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver import co_simulation
-from toothspace.solver.initial import start_state
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"
 WHEEL = {"kind": "inertia", "inertia": "0.002 kg m^2"}
@@ -185,41 +178,3 @@ def test_a_file_that_is_no_unit_is_refused(tmp_path: Path) -> None:
     case = loaded(linked(path, "1 ms", "shaft.speed", "load.torque"))
     with pytest.raises(CaseError, match=r"circuit.unit.file: found unit.fmu, which cannot be used"):
         api.simulate(case)
-
-
-def beside_cylinders(*steps: float) -> co_simulation.CoSimulation:
-    """Units that are told nothing and set nothing, beside cylinders that are not joined to them."""
-    condition = OperatingCondition(
-        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-    )
-    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-    system = assemble(toy_machine(), law, condition)
-    units = [SimpleNamespace(keys=SimpleNamespace(step=s), told=(), sets=()) for s in steps]
-    circuit = SimpleNamespace(units=tuple(units), nodes=(), all_nodes=())
-    joined = replace(system, condition=replace(condition, circuit=cast(Any, circuit)))
-    return co_simulation.CoSimulation(joined)
-
-
-def test_points_up_to_a_time_end_with_it() -> None:
-    """Also where the time over the step is a little less than a whole number, as 0.3 / 0.1."""
-    assert int(0.3 / 0.1) == 2
-    points = beside_cylinders(0.1)
-    assert points.until(0.3) == pytest.approx([0.0, 0.1, 0.2, 0.3])
-    assert points.until(0.95) == pytest.approx(0.1 * np.arange(10))
-
-
-def test_every_unit_steps_at_its_own_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every 0.7 and 1 ms: at 9.8 ms the one steps that is due, not the one of 10 ms."""
-    times: dict[float, list[float]] = {0.7e-3: [], 1e-3: []}
-
-    def unit_at(unit: Any) -> Any:
-        told = times[unit.keys.step]
-        return SimpleNamespace(step=lambda time, _: told.append(time) or [])
-
-    monkeypatch.setattr(co_simulation, "Instance", unit_at)
-    units = beside_cylinders(0.7e-3, 1e-3)
-    state = start_state(units._system)
-    for point in units.until(10e-3):
-        units.meet(point, state)
-    assert times[0.7e-3] == pytest.approx(0.7e-3 * np.arange(15))
-    assert times[1e-3] == pytest.approx(1e-3 * np.arange(11))

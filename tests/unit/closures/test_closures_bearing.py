@@ -17,6 +17,8 @@ from tests.reference_formulas.journal_bearing import (
 from toothspace.closures.bearing_map import JournalMap, build_journal_map, journal_force
 from toothspace.closures.journal_friction import (
     PUBLISHED_CURVE,
+    FrictionCurve,
+    FrictionCurves,
     journal_pressure_torque,
     journal_shear_torque,
     sommerfeld_number,
@@ -172,3 +174,33 @@ def test_mixed_friction_curve() -> None:
     slope = np.gradient(PUBLISHED_CURVE(fine), fine)
     assert np.abs(np.diff(slope)).max() < 1e-4  # no kink
     assert np.all(slope > 0.0)
+
+
+def test_numbers_of_the_mixed_friction_curve_by_hand() -> None:
+    """From 0.05 to 0.2 the boundary term is gone: c (tanh(0.2/d) - tanh(0.05/d)) / 0.15."""
+    expected = 0.01897 * (np.tanh(0.2 / 1.085) - np.tanh(0.05 / 1.085)) / 0.15
+    assert PUBLISHED_CURVE.full_film_slope() == pytest.approx(expected, rel=1e-6)
+    assert PUBLISHED_CURVE.boundary_level == pytest.approx(0.04486 + 0.0006507)
+    number, least = PUBLISHED_CURVE.minimum()
+    # where a/b exp(-S/b) = c/d: S = b ln(a d/(b c))
+    assert number == pytest.approx(
+        0.002681 * np.log(0.04486 * 1.085 / (0.002681 * 0.01897)), rel=3e-3
+    )
+    assert least == pytest.approx(float(PUBLISHED_CURVE(number)))
+
+
+def test_the_lowest_point_is_sought_from_a_ten_thousandth_to_one() -> None:
+    """Friction that only rises is lowest at the first, friction that only falls at the last."""
+    rising = FrictionCurve(0.0, 1.0, 0.02, 1.0, 0.001, 0.02)
+    falling = FrictionCurve(0.1, 0.5, 0.0, 1.0, 0.001, 0.0)
+    assert rising.minimum()[0] == pytest.approx(1e-4, rel=1e-9)
+    assert falling.minimum()[0] == pytest.approx(1.0, rel=1e-9)
+    assert rising.minimum()[1] == pytest.approx(0.001 + 0.02 * np.tanh(1e-4))
+
+
+def test_friction_between_two_loads_is_linear_in_their_logarithm() -> None:
+    low, high = FrictionCurve(0.1, 1.0, 0.0, 1.0, 0.0, 0.0), FrictionCurve(0.3, 1.0, 0.0, 1.0, 0, 0)
+    curves = FrictionCurves((10.0, 1000.0), (low, high))
+    assert [curves(0.0, load) for load in (1.0, 10.0, 100.0, 1e3, 1e5)] == pytest.approx(
+        [0.1, 0.1, 0.2, 0.3, 0.3]
+    )

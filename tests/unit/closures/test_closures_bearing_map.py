@@ -137,3 +137,40 @@ def test_a_map_of_solved_films_that_are_the_closed_form_is_its_map(journal_map: 
             size = np.hypot(*expected[:2])
             assert np.hypot(*(force_at(state, 0.0, same) - expected)[:2]) < 2e-3 * size
             assert np.hypot(*(force_at(state, 0.0, half) - 0.5 * expected)[:2]) < 2e-3 * size
+
+
+def test_a_ratio_of_solved_to_closed_form_is_that_of_its_place(journal_map: JournalMap) -> None:
+    """Length and angle that grow with the step of the gap and differ by direction, mirrored."""
+
+    def ratio(step: np.ndarray | float, direction: np.ndarray | float) -> np.ndarray:
+        size = (1.0 + 0.1 * np.asarray(step)) * (1.0 + 0.2 * np.cos(direction))
+        return np.asarray(size * np.exp(0.2j * np.sin(direction)))
+
+    given = ratio(_GAP_STEPS[:, None], _DIRECTIONS)
+    nodes = _scaled(journal_map.nodes, journal_map.logarithm_step, given)
+    scaled = journal_map._replace(nodes=nodes)
+    for ecc in (0.33, 0.81, 0.98):
+        for direction in np.linspace(0.04, 2.0 * np.pi, 23):
+            state = np.array([ecc, 0.0, np.cos(direction), np.sin(direction)])
+            closed = complex(*force_at(state, 0.0, journal_map)[:2])
+            found = complex(*force_at(state, 0.0, scaled)[:2])
+            expected = closed * ratio(-np.log(1.0 - ecc), direction)
+            assert abs(found - expected) < 3e-3 * abs(expected)
+    # beyond the last sample its ratio
+    for direction in (0.4, 3.0, 5.0):
+        state = np.array([0.996, 0.0, np.cos(direction), np.sin(direction)])
+        closed = complex(*force_at(state, 0.0, journal_map)[:2])
+        found = complex(*force_at(state, 0.0, scaled)[:2])
+        expected = closed * ratio(_GAP_STEPS[-1], direction)
+        assert abs(found - expected) < 5e-3 * abs(expected)
+
+
+def test_the_slope_by_turning_is_rounded_over_a_thousandth_of_the_clearance(
+    journal_map: JournalMap,
+) -> None:
+    """e^2/(e^2 + 1e-6) of it: half at a thousandth, 0.9 at three, whole further out."""
+    for ecc, share in ((1e-3, 0.5), (3e-3, 0.9), (0.1, 1.0)):
+        state, step = np.array([ecc, 0.0, -0.2, 0.7]), np.array([0.0, 1e-2 * ecc, 0.0, 0.0])
+        ends = [force_at(state + sign * step, 0.0, journal_map)[1] for sign in (-1.0, 1.0)]
+        slope = force_at(state, 0.0, journal_map)[2:].reshape(2, 4)[1, 1]
+        assert slope == pytest.approx(share * (ends[1] - ends[0]) / (2e-2 * ecc), rel=1e-3)

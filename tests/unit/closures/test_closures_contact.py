@@ -56,15 +56,33 @@ def test_the_internal_law_stiffens_with_the_exponent_of_its_range(
     assert found == pytest.approx(exponent * millimetres**-0.005, rel=1e-9)
 
 
+@pytest.mark.parametrize(("millimetres", "stiffness"), [(0.2, 0.2895), (2.0, 2.0265)])
+def test_the_internal_law_by_hand(millimetres: float, stiffness: float) -> None:
+    """One millimetre deep (any power of it is one): (0.965 dR + 0.0965) L E*/dR."""
+    found = pereira_force(1e-3, 1e-3 * millimetres, 7.5e-3, STEEL, True)
+    assert found == pytest.approx(stiffness / millimetres * 7.5 * 1e-6 * STEEL)
+
+
 def test_pereira_does_not_depend_on_units() -> None:
     """By hand in mm, N, N/mm2: (0.39*10 + 0.85) * 7.5 * E* / 10 * 0.001^1.094."""
     hand = (0.39 * 10 + 0.85) * 7.5 * (STEEL / 1e6) / 10 * 0.001**1.094
     assert pereira_force(1e-6, 10e-3, 7.5e-3, STEEL, False) == pytest.approx(hand)
 
 
-@pytest.mark.parametrize(("millimetres", "allowed"), [(0.004, False), (5.0, True), (10.1, False)])
+@pytest.mark.parametrize(
+    ("millimetres", "allowed"),
+    [(0.004, False), (0.0051, True), (5.0, True), (9.9, True), (10.1, False)],
+)
 def test_range_of_the_internal_law(millimetres: float, allowed: bool) -> None:
     assert in_pereira_range(1e-3 * millimetres, True) is allowed
+
+
+def test_the_external_law_asks_for_a_nanometre_of_difference() -> None:
+    assert [in_pereira_range(1e-9 * part, False) for part in (0.95, 1.05, 1e9)] == [
+        False,
+        True,
+        True,
+    ]
 
 
 def test_hertz() -> None:

@@ -24,7 +24,7 @@ LEVEL = float(np.log(4e-3))
 @pytest.mark.parametrize("depth", DEPTHS)
 def test_law_inverts_johnson(depth: float) -> None:
     load, _, _, _ = logarithmic_law(depth, LEVEL, STEEL)
-    assert johnson_indentation(load, 4e-3, STEEL) == pytest.approx(depth, rel=1e-12)
+    assert johnson_indentation(load, 4e-3, STEEL) == pytest.approx(depth, rel=1e-12, abs=0.0)
 
 
 @pytest.mark.parametrize("other", [25e-3, -20e-3])
@@ -53,7 +53,7 @@ def test_force_is_the_slope_of_the_energy(depth: float) -> None:
     assert (up[2] - down[2]) / (2.0 * step * depth) == pytest.approx(load, rel=1e-6)
     assert (up[0] - down[0]) / (2.0 * step * depth) == pytest.approx(stiffness, rel=1e-6)
     up, down = (logarithmic_law(depth, LEVEL + s * step, STEEL) for s in (1, -1))
-    assert (up[2] - down[2]) / (2.0 * step) == pytest.approx(by_level, rel=1e-5)
+    assert (up[2] - down[2]) / (2.0 * step) == pytest.approx(by_level, rel=1e-5, abs=0.0)
 
 
 def test_law_goes_on_straight_without_a_jump() -> None:
@@ -87,3 +87,10 @@ def test_onset_is_smooth() -> None:
     scale = x[1] - x[0]
     assert np.gradient(rows[:, 0], scale) == pytest.approx(rows[:, 1], abs=2e-3)
     assert np.gradient(rows[:, 1], scale) * onset == pytest.approx(rows[:, 2] * onset, abs=3e-3)
+
+
+@pytest.mark.parametrize(("other", "millimetres"), [(50e-3, 9.945), (-50e-3, 7.055)])
+def test_bodies_deform_no_deeper_than_they_are_held(other: float, millimetres: float) -> None:
+    """A lobe of 8.5 mm, both held 8.5 mm below the contact: 8.5 (1 +- 8.5/50) mm."""
+    assert hertz_scale(8.5e-3, other, 8.5e-3) == pytest.approx(1e-3 * millimetres)
+    assert hertz_scale(other, 8.5e-3, 8.5e-3) == pytest.approx(1e-3 * millimetres)

@@ -20,6 +20,7 @@ from toothspace.closures.density import (
     mixture_density,
     mixture_pressure,
     mixture_specific_volume,
+    unlimited_pressure,
 )
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import (
@@ -200,7 +201,7 @@ def test_gas_follows_henry_in_equilibrium() -> None:
     expected = law.feed_gas_mass_fraction + 0.5 * law.dissolved_mass_fraction
     assert half == pytest.approx(expected, rel=1e-5)
     step = equilibrium_gas_fraction(0.5 * 101325.0 + 1.0, law)[0] - half
-    assert step == pytest.approx(slope, rel=1e-4)
+    assert step == pytest.approx(slope, rel=1e-4, abs=0.0)
     assert equilibrium_gas_fraction(200e5, law)[0] < 1e-3 * law.total_gas_mass_fraction
 
 
@@ -234,5 +235,46 @@ def test_where_all_gas_just_dissolves_nuclei_and_the_round_corner_remain() -> No
     found, slope = equilibrium_gas_fraction(corner, law)
     assert found == pytest.approx(1e-3 * law.total_gas_mass_fraction + 3e-7, rel=1e-9)
     assert slope == pytest.approx(
-        -0.5 * law.dissolved_mass_fraction / law.saturation_pressure, rel=1e-6
+        -0.5 * law.dissolved_mass_fraction / law.saturation_pressure, rel=1e-6, abs=0.0
     )
+
+
+@pytest.mark.parametrize(("part", "released"), [(0.25, 0.15625), (0.5, 0.5), (0.75, 0.84375)])
+def test_release_sets_in_over_the_round_corner(part: float, released: float) -> None:
+    """A thousandth of all gas and the nuclei wide, about equilibrium; the rise is 3 x^2 - 2 x^3."""
+    law = law_of("iso_vg_46", 50)._replace(nuclei_mass_fraction=3e-8)
+    width = 1e-3 * law.total_gas_mass_fraction + 3e-8
+    missing = part * width
+    equilibrium, _ = equilibrium_gas_fraction(0.5e5, law)
+    rate, _, by_gas = gas_exchange_rate(0.5e5, equilibrium - missing, law)
+    blended = released * law.release_rate + (1.0 - released) * law.absorption_rate
+    assert rate == pytest.approx(missing * blended, rel=1e-6)
+    # d(x^3 (3 - 2 x))/dx = x^2 (9 - 8 x)
+    steep = part**2 * (9.0 - 8.0 * part)
+    blended = steep * law.release_rate + (1.0 - steep) * law.absorption_rate
+    assert by_gas == pytest.approx(-blended, rel=1e-6)
+
+
+def test_a_mixture_of_free_gas_stretched_to_twice_its_volume_is_half_vapour() -> None:
+    """At a pressure that evaporation leaves alone, and with as much gas as liquid by volume."""
+    law, pressure = law_of("iso_vg_46", 50), 1e5
+    fraction = 1.0 / (1.0 + law.gas_specific_energy / pressure * density_of(pressure, law))
+    assert gas_volume_fraction(pressure, fraction, law) == pytest.approx(0.5, rel=1e-3)
+    volume = mixture_specific_volume(pressure, fraction, law)
+    assert vapour_fraction(2.0 * volume, pressure, fraction, law) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_viscosity_ends_with_its_data() -> None:
+    """It rises up to the end of the data, 100 MPa, and no further; there by 2^(-1/8) of it."""
+    law = law_of("iso_vg_46", 50)
+    rise = np.log(dynamic_viscosity(np.array([1e8, 1e9, 1e10]), law) / law.dynamic_viscosity)
+    expected = law.pressure_viscosity * 1e8 * np.array([0.5**0.125, 1.0, 1.0])
+    assert rise == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_pressure_without_evaporation_stays_positive() -> None:
+    """A millionth of the vapour pressure where there is nothing but vapour."""
+    law = law_of("jet_a1", 60)
+    for part in (0.1, 1.0, 1.0 + 1e-9):
+        found = unlimited_pressure(part * law.vapour_pressure, law)
+        assert found == pytest.approx(1e-6 * law.vapour_pressure, rel=1e-9)

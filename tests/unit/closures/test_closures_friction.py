@@ -9,6 +9,7 @@ from scipy.integrate import dblquad
 from tests.reference_formulas.rough_contact import pan_hamrock_film
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.friction import (
+    next_direction,
     running_share,
     stribeck_friction,
     stribeck_hump,
@@ -183,3 +184,58 @@ def _compiled(speed: float, oil: FluidLaw, surface: FlankSurface) -> tuple[float
 def test_compiled_friction_equals_python() -> None:
     given = 0.4, OIL, SURFACE
     assert _compiled(*given) == pytest.approx(_compiled.py_func(*given), rel=1e-12)
+
+
+@pytest.mark.parametrize("roughness", [0.2e-6, 0.4e-6, 0.8e-6])
+def test_friction_of_flanks_by_hand(roughness: float) -> None:
+    """Film of half the sum of speeds, share exp(-1.8 L^1.2) on asperities, the rest in the oil."""
+    load, radius, sliding, rolling, viscosity = 9e4, 2e-3, 1.0, 5.0, OIL.dynamic_viscosity
+    speed = viscosity * rolling / (STEEL * radius)
+    weight, material = load / (STEEL * radius), OIL.pressure_viscosity * STEEL
+    film = 2.65 * (0.5 * speed) ** 0.7 * material**0.54 / weight**0.13 * radius
+    share = np.exp(-1.8 * (film / roughness) ** 1.2)
+    assert 0.02 < share < 0.98
+    newton = 0.671e-6 * (sliding / rolling) ** 0.81 * speed**0.26 * (weight * material**2) ** 3.32
+    traction = 0.8 * 0.05 + 0.021 * np.tanh(newton / 0.05 - 0.8)
+    surface = SURFACE._replace(roughness=roughness)
+    found = mesh_friction(load, radius, sliding, rolling, OIL, surface)[0]
+    assert found == pytest.approx((1.0 - share) * traction + share * 0.10, rel=1e-3)
+
+
+def test_flanks_that_slide_more_than_they_roll_are_at_the_end_of_the_slide_ratio() -> None:
+    smooth = SURFACE._replace(roughness=0.1e-6)  # a light load, so that the oil is Newtonian
+    at = [mesh_friction(2e3, 2e-3, sliding, 5.0, OIL, smooth) for sliding in (4.9, 5.2, 20.0)]
+    assert at[2][0] == pytest.approx(at[1][0], rel=1e-9)
+    assert at[0][0] < (1.0 - 1e-3) * at[1][0]
+    assert at[0][2] > 0.0
+    assert at[1][2] == at[2][2] == 0.0
+
+
+def test_a_film_grows_with_the_powers_of_its_numbers() -> None:
+    """U^0.7, G^0.54 and W^-0.13, and 2.65 in the middle of them."""
+    base = film_thickness_dowson_higginson(1e-11, 4000.0, 1e-4)
+    assert base == pytest.approx(2.65 * 1e-11**0.7 * 4000.0**0.54 * 1e-4**-0.13)
+    for factors, power in (((2, 1, 1), 0.7), ((1, 2, 1), 0.54), ((1, 1, 2), -0.13)):
+        numbers = np.array(factors) * (1e-11, 4000.0, 1e-4)
+        assert film_thickness_dowson_higginson(*numbers) / base == pytest.approx(2.0**power)
+
+
+@pytest.mark.parametrize(
+    ("speed", "applied", "direction"),
+    [
+        (0.3, -50.0, 1.0),
+        (-0.3, 50.0, -1.0),
+        (0.0, 9.0, 0.0),
+        (0.0, -9.0, 0.0),
+        (0.0, 11.0, 1.0),
+        (0.0, -11.0, -1.0),
+    ],
+)
+def test_a_joint_at_rest_holds_up_to_its_static_friction(
+    speed: float, applied: float, direction: float
+) -> None:
+    assert next_direction(speed, applied, 10.0) == direction
+
+
+def test_a_joint_without_static_friction_never_sticks() -> None:
+    assert next_direction(0.0, 0.0, 0.0) == 1.0

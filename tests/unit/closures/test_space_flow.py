@@ -16,7 +16,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.space_flow import pressure_along_space
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.model.path_category import INLET_PORT
+from toothspace.model.path_category import INLET_PORT, OPENINGS
 from toothspace.run.run import Run
 from toothspace.solver.flow_regime import along_spaces, pressure_along_spaces
 
@@ -72,6 +72,42 @@ def test_a_machine_needs_more_the_faster_it_turns_and_the_same_for_both_hands() 
     assert pressure_along_spaces(run.machine, run.fluid, 0.0) == 0.0
 
 
+def test_spaces_that_shrink_evenly_by_hand() -> None:
+    """A(angle) = A0 [1 - s (angle - pi/2)], open at the leading end until it meshes."""
+    first, shrink, ratio, twist, width = 20e-6, 0.4, 0.75, 0.5, LENGTH
+    run = prepared()
+    fluid = run.fluid
+
+    class Volume:
+        def __call__(self, angle: Array) -> Array:
+            return width * first * (1.0 - shrink * (angle[..., None] - 0.5 * np.pi))
+
+        def derivative(self, angle: Array) -> Array:
+            return np.full((*angle.shape, 1), -width * first * shrink)
+
+    def still_open(angle: Array) -> Array:
+        return np.where(angle < np.pi - 1e-9, 1e-6, 0.0)[:, None]
+
+    opening = next(path for path in run.machine.paths if path.category.role in OPENINGS)
+    path = SimpleNamespace(category=opening.category, nodes_a=np.array([0]), geometry=still_open)
+    family = SimpleNamespace(volume=Volume(), angle_ratio=ratio, phases=np.zeros(7))
+    section = SimpleNamespace(families=[family], paths=[path])
+    winding = SimpleNamespace(twist=twist, turn_per_length=-twist / width, section=section)
+    machine = cast(MachineDescription, SimpleNamespace(winding=winding))
+    shut = first * (1.0 - shrink * 0.5 * np.pi)
+    end = shut + first * shrink * twist * ratio
+    largest = first * (1.0 + shrink * twist * ratio)
+    passing = SPEED * width / twist
+    per_area = width / (end - shut)
+    gain = passing * shrink * first * per_area * (np.log(end / shut) - 1.0 + shut / end)
+    inertia = fluid.reference_density * SPEED * ratio * gain
+    bernoulli = 0.5 * fluid.reference_density * (passing * (1.0 - shut / end)) ** 2
+    curved = 1.0 / shut - 1.0 / end - 0.5 * shut * (1.0 / shut**2 - 1.0 / end**2)
+    friction = 32.0 * fluid.dynamic_viscosity * passing * largest * per_area * curved
+    found = pressure_along_spaces(machine, fluid, SPEED)
+    assert found == pytest.approx(inertia + bernoulli + friction, rel=1e-3)
+
+
 @pytest.mark.slow
 def test_nothing_is_needed_while_the_end_that_leads_is_open() -> None:
     """The recess of the cover is open to the pinion until the spaces are as good as empty."""
@@ -114,11 +150,9 @@ def even_spaces(closed_at: float, fall: float = FALL) -> MachineDescription:
     return cast(MachineDescription, SimpleNamespace(winding=winding))
 
 
-@pytest.mark.parametrize("closed_at", [0.5 * np.pi, np.pi])
-def test_what_a_space_needs_is_looked_for_from_a_quarter_of_a_turn_to_the_middle(
-    closed_at: float,
-) -> None:
-    """A(z) = A0 + (A1 - A0) z/b: the integrals by hand at the angle where nothing is open."""
+def test_what_a_space_needs_is_looked_for_from_a_quarter_of_a_turn_on() -> None:
+    """A(z) = A0 + (A1 - A0) z/b: the integrals by hand where all is open at later angles."""
+    closed_at = 0.5 * np.pi
     fluid = cast(FluidLaw, SimpleNamespace(reference_density=DENSITY, dynamic_viscosity=0.3))
     found = pressure_along_spaces(even_spaces(closed_at), fluid, SPEED)
     lead = TWIST * RATIO

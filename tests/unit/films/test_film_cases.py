@@ -17,6 +17,7 @@ from toothspace.core.errors import CaseError
 from toothspace.films import (
     Groove,
     JournalBearing,
+    Lobes,
     RoughSurfaces,
     critical_mass,
 )
@@ -273,3 +274,29 @@ def test_an_object_of_a_case_may_hold_texts_with_units() -> None:
     groove = Groove("90 deg", "15 deg", "20 mm", "2 bar")  # type: ignore[arg-type]
     case = JournalBearingCase(**keys, eccentricity=(0.5, 0.0), grooves=(groove,))
     assert case.grooves == (Groove(0.5 * np.pi, np.pi / 12.0, 0.02, 2e5),)
+
+
+def test_a_bore_of_lobes_is_narrowest_in_their_middles() -> None:
+    """Preload times the cosine of the angle from the middle of the lobe, the same for each."""
+    lobes = Lobes(count=3, preload=0.5, angle=0.4)
+    away = np.array([0.0, np.pi / 6.0, -np.pi / 4.0, np.pi / 3.0 - 1e-9])
+    expected = 0.5 * np.cos(away)
+    for lobe in (-1, 0, 1, 5):
+        found = lobes.narrowing(0.4 + away + lobe * 2.0 * np.pi / 3.0)
+        np.testing.assert_allclose(found, expected, atol=1e-8)
+    with pytest.raises(CaseError, match="preloads from 0 to below 1"):
+        Lobes(count=2, preload=1.0)
+
+
+def test_a_table_of_contact_of_one_point_is_told_by_its_number() -> None:
+    points = ((0.0, 1e8), (1.0, 2e8))
+    with pytest.raises(CaseError, match="1 points"):
+        RoughSurfaces(
+            moving_roughness=1e-7, resting_roughness=0.0,
+            contact_law="table", contact_points=points[:1],
+        )  # fmt: skip
+    with pytest.raises(CaseError, match="out of order"):
+        RoughSurfaces(
+            moving_roughness=1e-7, resting_roughness=0.0,
+            contact_law="table", contact_points=points,
+        )  # fmt: skip

@@ -82,6 +82,11 @@ def test_vtk_surface_has_the_area_of_the_film(name: str, tmp_path: Path) -> None
     assert _decoded(text, "pressure") == pytest.approx(film.pressure.ravel())
     points = _decoded(text, "points").reshape(rows + 1, lanes + 1, 3)
     along, across = points[1:, 1:] - points[:-1, :-1], points[1:, :-1] - points[:-1, 1:]
+    assert text.count(f'Extent="0 {lanes} 0 {rows} 0 0"') == 2
+    if name == "pad":
+        np.testing.assert_allclose(points[:, 0, 0], 0.02 * np.arange(rows + 1) / rows, atol=1e-12)
+        across_pad = np.diff(points[0, :, 1])
+        np.testing.assert_allclose(across_pad, 0.01 / lanes, atol=1e-12)
     area = 0.5 * np.linalg.norm(np.cross(along, across), axis=-1).sum()
     exact = {
         "journal": np.pi * 0.05 * 0.02,

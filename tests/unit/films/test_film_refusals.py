@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from toothspace.api import load_case, solve_bearing, solve_film
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.films import (
@@ -35,7 +36,7 @@ eccentricity = [0.5, 0.0]
 
 
 def test_pocket_beyond_the_pad() -> None:
-    with pytest.raises(CaseError, match=r"film\.pocket\.x: found 20 mm"):
+    with pytest.raises(CaseError, match=r"film\.pocket\.x: found 20 mm.* below 20 mm"):
         Pad(
             length=0.02,
             width=0.01,
@@ -99,3 +100,10 @@ def test_case_names_the_key(rest: str, key: str) -> None:
     with pytest.raises(CaseError, match=rf"bearing\.{key.replace('.', '[.]')}: found") as told:
         Case.from_toml(CASE + rest)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("table", ["bearing", "film"])
+def test_a_case_without_the_table_is_refused_by_its_name(table: str) -> None:
+    case = load_case("egm12_pump")
+    with pytest.raises(CaseError, match=rf"{table}: found nothing, allowed a table \[{table}\]"):
+        {"bearing": solve_bearing, "film": solve_film}[table](case)

@@ -93,9 +93,16 @@ def test_an_edge_stays_within_its_groove() -> None:
     assert inside.machine.relief_grooves.closing_side_angle > 0.0
     with pytest.raises(CaseError, match=said.split(":")[0]):
         case.replace({f"{KEYS}.closing_side_angle": f"{1.01 * steepest} deg"})
+    with pytest.raises(CaseError, match=f"allowed less than {steepest:.3g} deg"):
+        case.replace({f"{KEYS}.closing_side_angle": "30 deg"})
     said = r"opening_side_bow: found 2\.5 mm, with which the edge leaves the groove, allowed less"
-    with pytest.raises(CaseError, match=said):
+    with pytest.raises(CaseError, match=f"{said} than 2 mm"):
         case.replace({f"{KEYS}.opening_side_bow": "2.5 mm"})
+    # an edge that leans by 0.5 mm leaves 1.5 mm for the bow
+    lean = {f"{KEYS}.opening_side_angle": f"{np.rad2deg(np.arctan(1e-3 / extent))} deg"}
+    with pytest.raises(CaseError, match=r"allowed less than 1\.5 mm with this width and angle"):
+        case.replace(lean | {f"{KEYS}.opening_side_bow": "1.6 mm"})
+    assert case.replace(lean | {f"{KEYS}.opening_side_bow": "1.4 mm"})
 
 
 def test_a_recess_round_all_spaces_opens_each_whole() -> None:

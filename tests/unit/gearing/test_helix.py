@@ -134,6 +134,19 @@ def test_shares_of_all_slices_carry_the_whole_load() -> None:
     np.testing.assert_allclose(shares.sum(axis=1), 1.0, rtol=1e-6)
 
 
+def test_slices_of_a_contact_lie_evenly_about_the_middle() -> None:
+    """As far apart as the twist over their number; each is as wide as the others."""
+    helical = machine()
+    assert helical.winding is not None
+    for middle, contact in zip(helical.winding.section.contacts, helical.contacts, strict=True):
+        leads = contact.phases.reshape(-1, middle.phases.size) - middle.phases
+        assert np.ptp(leads, axis=1) == pytest.approx(0.0, abs=1e-12)
+        assert leads.mean() == pytest.approx(0.0, abs=1e-12)
+        apart = helical.winding.twist * middle.angle_ratio / len(leads)
+        assert np.diff(leads[:, 0]) == pytest.approx(apart)
+        assert contact.part == pytest.approx(1.0 / len(leads))
+
+
 @pytest.mark.slow
 def test_mirrored_hands_differ_in_the_sense_of_the_axial_force_alone() -> None:
     right, left = solved("right"), solved("left")

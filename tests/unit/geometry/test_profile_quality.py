@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +15,11 @@ from toothspace import api
 from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.geometry.cad_export import export_gear
+from toothspace.geometry.gear_data import gear_report
 from toothspace.geometry.involute import InvoluteGear, generate_profile, tooth_form
 from toothspace.geometry.profile_detection import gear_profile_from_curve
+from toothspace.machines.external_gear.part_files import check_unit
+from toothspace.model.description import MachineDescription
 
 MOTOR = InvoluteGear(12, 2.75e-3, np.deg2rad(20.0), 0.3, 40.372e-3, tip_rounding=1e-4)
 CASE = Path(__file__).parents[3] / "cases" / "egm12_motor_profile.toml"
@@ -86,6 +91,81 @@ def test_teeth_are_named_as_on_a_drawing(tmp_path: Path) -> None:
     assert found["profile_shift"] == pytest.approx(0.3, abs=1e-4)
     assert found["normal_backlash_mm"] == pytest.approx(0.0203, abs=2e-4)
     assert found["undercut"] is False
+
+
+@pytest.fixture(scope="module")
+def uneven(tmp_path_factory: pytest.TempPathFactory) -> MachineDescription:
+    """Flanks with waves 10 um high."""
+    return api.describe(case_of(tmp_path_factory.mktemp("wavy"), wavy(outline(), 5e-6)))
+
+
+def test_deviations_are_told_as_high_as_they_were_drawn(uneven: MachineDescription) -> None:
+    """Waves 10 um high have a root mean square of 5 / sqrt(2) um; their mean line hardly leans."""
+    found = uneven.geometry_summary
+    assert found["involute_deviation_um"] == pytest.approx(10.4, abs=0.6)
+    assert found["profile_form_error_um"] == pytest.approx(11.0, abs=0.8)
+    assert found["fit_residual_um"] == pytest.approx(5.0 / np.sqrt(2.0), rel=0.03)
+    checks = {check.name: check.value for check in uneven.checks}
+    assert checks["form error of the profile"] == found["involute_deviation_um"]
+    assert checks["chord height of the profile"] == found["chord_height_um"]
+    assert found["chord_height_um"] == pytest.approx(1.6, rel=0.05)
+
+
+def test_a_case_tells_the_deviations_that_its_gear_tells(tmp_path: Path) -> None:
+    """Of the flank that is worse."""
+    case = case_of(tmp_path, wavy(outline(), 5e-6))
+    gear = gear_report(case.machine_spec.drive.found)
+    found = api.describe(case).geometry_summary
+    for name, own in (("form_deviation", "form_error"), ("slope_deviation", "slope_error")):
+        flanks = [abs(gear[f"{side}_profile_{name}_um"]) for side in ("left", "right")]
+        assert found[f"profile_{own}_um"] == pytest.approx(max(flanks))
+
+
+def test_a_wrong_unit_is_answered_with_both_sizes(tmp_path: Path) -> None:
+    """A tip circle of 40.372 mm in inches, read as millimetres."""
+    with pytest.raises(CaseError) as refused:
+        summary_of(tmp_path, outline() / 25.4)
+    (problem,) = refused.value.problems
+    assert problem.found.endswith(f"{40.372 / 25.4:.5g} mm")
+    assert "it is 40.372 mm and fits" in problem.allowed
+
+
+@pytest.mark.parametrize(
+    ("size", "distance", "journal", "fits"),
+    [
+        (1.0, 9.7, 0.5, True),
+        (1.0, 10.3, 0.5, False),
+        (1.0, 1.05, 0.5, True),
+        (1.0, 0.95, 0.5, False),
+        (1.0, None, 1.0 / 7.7, True),
+        (1.0, None, 1.0 / 8.3, False),
+        # two tip radii over the number of teeth and two are 2.884 mm
+        (48.0 / 2.884, None, 0.5, True),
+        (52.0 / 2.884, None, 0.5, False),
+    ],
+)
+def test_a_unit_fits_gears_of_possible_size(
+    size: float, distance: float | None, journal: float, fits: bool
+) -> None:
+    """Centres 1 to 10 tip radii apart, roots up to 8 journals, modules up to 50 mm, in inches.
+
+    Without a unit that fits, the one that is given stays.
+    """
+    machine = load_case(CASE).machine
+    drawn = replace(generate_profile(MOTOR).scaled(size), involute=None)
+    apart = None if distance is None else distance * drawn.tip_radius
+    gears = replace(
+        machine.gears,
+        center_distance=apart,
+        normal_backlash=1e-4 if apart is None else None,
+        face_width=1e-2 * size,
+    )
+    bearings = replace(machine.journal_bearings, diameter=2.0 * journal * drawn.root_radius)
+    with pytest.raises(CaseError, match="'in'") if fits else nullcontext():
+        check_unit(
+            replace(machine, gears=gears, journal_bearings=bearings), gears,
+            drawn.scaled(1.0 / 25.4), "gears",
+        )  # fmt: skip
 
 
 @pytest.mark.slow

@@ -36,6 +36,7 @@ from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.flow_paths import bore, bore_cover
+from toothspace.machines.external_gear.summary import profile_checks
 from toothspace.model.description import MachineDescription, RunningIn
 
 REFERENCE_PUMP = Path(__file__).parents[3] / "cases" / "egm12_pump.toml"
@@ -177,6 +178,26 @@ def test_ports_open_and_close_at_their_edges() -> None:
         assert not np.any((inlet > 0.0) & (outlet > 0.0))
 
 
+@pytest.mark.parametrize("edges", [(200.0, 55.0), (55.0, 200.0)])
+def test_a_port_that_reaches_beyond_the_far_side_opens_spaces_there(
+    edges: tuple[float, float],
+) -> None:
+    """From where a space has left the mesh to 200 degrees its whole mouth is open."""
+    assembly = assemble(egm12("pump"))
+    half_mouth = np.pi / 12 - 0.5 * assembly.teeth[0].land_angle
+    mouth, edge = 2.0 * half_mouth * assembly.teeth[0].tip_radius, np.deg2rad(200.0)
+    far = int(edges[0] < edges[1])
+    for spaces in assembly.spaces(720):
+        opened = port_lengths(spaces, tuple(np.deg2rad(edges)))[far]
+        place = np.mod(spaces.angles if far == 0 else -spaces.angles, 2.0 * np.pi)
+        whole = (place > np.deg2rad(90.0)) & (place < edge - half_mouth - 1e-3)
+        assert opened[whole] == pytest.approx(mouth, rel=1e-9)
+        cut = (place > edge - half_mouth + 1e-3) & (place < edge + half_mouth - 1e-3)
+        assert np.count_nonzero(cut) > 10
+        rest = (edge + half_mouth - place) * assembly.teeth[0].tip_radius
+        assert opened[cut] == pytest.approx(rest[cut], rel=1e-6)
+
+
 def test_grooves_join_their_own_side_and_end_at_their_edge(pump: MachineDescription) -> None:
     angles = np.linspace(0.0, 2.0 * np.pi, 3000)
     for path in pump.paths:
@@ -255,6 +276,18 @@ def test_numbers_of_the_report_by_hand() -> None:
     checks = {check.name: check.value for check in machine.checks}
     change = float(found["trapped_volume_mm3"]) - float(found["dead_volume_mm3"])  # type: ignore[arg-type]
     assert checks["trapped volume change"] == pytest.approx(change, rel=0.02)
+
+
+def test_base_pitches_differ_with_the_modules_and_not_with_the_teeth() -> None:
+    """Eleven and thirteen teeth of one rack, and drawn teeth of 2.75 and 2.752 mm."""
+    larger = replace(TWELVE, module=2.752e-3, tip_diameter=40.4e-3)
+    drive, driven = (gear_of(generate_profile(gear, 200), 7.5e-3) for gear in (TWELVE, larger))
+    drawn = egm12("pump", drive=drive, driven=driven, normal_backlash=None, center_distance=34.6e-3)
+    for spec, wanted in ((unequal(11, 13), 0.0), (drawn, 100.0 * (2.752 / 2.75 - 1.0))):
+        (check,) = profile_checks(assemble(spec))
+        assert check.name == "difference of the base pitches"
+        assert check.value == pytest.approx(wanted, abs=1e-9)
+        assert check.passed
 
 
 def test_profile_from_points_gives_the_generated_machine() -> None:

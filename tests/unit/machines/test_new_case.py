@@ -131,11 +131,22 @@ def test_first_designs_grow_with_their_displacement(
             assert found["casing.radial_clearance"] == pytest.approx(parts, abs=1e-6)
 
 
+@pytest.mark.parametrize("machine", ["external_gear", "crescent"])
+def test_bearings_of_first_designs_have_a_thousandth_of_their_radius(machine: str) -> None:
+    found = numbers(machine, 40.0, 210.0, 1500.0)
+    radius = 0.5 * found["journal_bearings.diameter"]
+    clearance = found["journal_bearings.radial_clearance"]
+    assert clearance == pytest.approx(1e-3 * radius, abs=0.06e-6)
+
+
 LEAST_GAPS = {
     "gerotor": {"rotors.tip_clearance": 8, "housing.radial_clearance": 10, "lateral.side_gap": 8},
     "crescent": {
         "pinion.normal_backlash": 40, "ring.radial_clearance": 15, "filler.pinion_clearance": 8,
-        "filler.ring_clearance": 8,
+        "filler.ring_clearance": 8, "journal_bearings.radial_clearance": 4,
+    },
+    "external_gear": {
+        "journal_bearings.radial_clearance": 2, "lateral.side_gap": 3,
     },
 }  # fmt: skip
 """Gaps of the smallest first designs, in micrometres."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from toothspace.closures.data_sheet import (
 from toothspace.core.errors import CaseError
 from toothspace.core.units import ZERO_CELSIUS
 from toothspace.library import fluids, library_names
-from toothspace.model.data_sheet import read_data_sheet
+from toothspace.model.data_sheet import FAMILIES, read_data_sheet, share_of_density
 from toothspace.model.fluid import liquid_at, properties_table, temperature_range
 
 SHEET = """
@@ -53,6 +54,13 @@ def test_viscosity_at_100_gives_the_index_back(at_40: float, index: float) -> No
     assert viscosity_index(1e-6 * at_40, at_100) == pytest.approx(index, abs=1e-6)
 
 
+def test_oils_lose_a_tenth_of_their_viscosity_at_least() -> None:
+    """From 40 to 100 degC; an index that asks for less has no viscosity."""
+    known, unknown = (viscosity_index(20e-6, part * 20e-6) for part in (0.88, 0.92))
+    assert viscosity_at_100(20e-6, known) == pytest.approx(0.88 * 20e-6)
+    assert math.isnan(viscosity_at_100(20e-6, unknown))
+
+
 def test_a_sheet_gives_back_what_it_holds(tmp_path: Path) -> None:
     path = written(tmp_path, SHEET)
     for celsius, viscosity in ((40.0, 45.6e-6), (100.0, 8.2e-6)):
@@ -75,6 +83,33 @@ def test_families_differ_where_fluids_do(tmp_path: Path) -> None:
     assert glycol.pressure_viscosity < 0.3 * oil.pressure_viscosity
     stiff = liquid_at(written(tmp_path, SHEET + 'bulk_modulus = "2 GPa"\n'), 323.15)
     assert stiff.bulk_modulus == pytest.approx(2e9)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_family_has_its_values_at_their_temperatures(family: str, tmp_path: Path) -> None:
+    """Vapour at 50 degC, but a floor of 1000 Pa; heat capacity at 20 degC; density at 15 degC."""
+    path, kind = written(tmp_path, f'{SHEET}family = "{family}"\n'), FAMILIES[family]
+    warm = liquid_at(path, 50.0 + ZERO_CELSIUS)
+    assert warm.vapour_pressure == pytest.approx(max(kind.vapour_pressure, 1000.0))
+    assert warm.density == pytest.approx(872.0 - 35.0 * kind.expansion)
+    assert warm.bulk_modulus == pytest.approx(kind.bulk_modulus)
+    capacity = kind.heat_capacity + 30.0 * kind.heat_capacity_rise
+    assert warm.specific_heat_capacity == pytest.approx(capacity)
+
+
+def test_an_oil_grows_as_viscous_with_pressure_as_at_40_degrees(tmp_path: Path) -> None:
+    """Barus coefficient of its dynamic viscosity at 40 degC, in which density has its share."""
+    liquid = liquid_at(written(tmp_path, SHEET), 40.0 + ZERO_CELSIUS)
+    dynamic = 45.6e-6 * (872.0 - 25.0 * FAMILIES["mineral_oil"].expansion)
+    assert liquid.pressure_viscosity == pytest.approx(pressure_viscosity(dynamic), rel=1e-6)
+
+
+@pytest.mark.parametrize("slope", [1.0, 5.0, 10.0])
+def test_share_of_the_density_is_that_of_a_linear_bulk_modulus(slope: float) -> None:
+    """Murnaghan: density grows with (1 + n p/K)^(1/n); mean up to 200 bar."""
+    modulus, pressure = 1.6e9, 2e7
+    mean = math.log1p(slope * pressure / modulus) / slope / pressure
+    assert share_of_density(modulus, slope) == pytest.approx(mean, rel=3e-4)
 
 
 @pytest.mark.parametrize(

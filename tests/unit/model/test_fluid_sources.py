@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from toothspace.cli import main
 from toothspace.core.errors import CaseError
+from toothspace.core.units import ATMOSPHERIC_PRESSURE
 from toothspace.library import library_names, load_fluid
+from toothspace.model import coolprop
 from toothspace.model.coolprop import coolprop_table
 from toothspace.model.fluid import fit_table, known_range, liquid_at
 
@@ -73,6 +78,53 @@ def test_water_of_coolprop(tmp_path: Path) -> None:
     for name in ("nothing", "INCOMP::MEG[0.5]"):
         with pytest.raises(CaseError, match="a pure liquid of CoolProp"):
             coolprop_table(name)
+
+
+def _made_up(wanted: str, *state: object) -> float:
+    """Liquid between 11.8 and 80 degC that tells the pressure as density; vapour of T - 270 Pa."""
+    if wanted == "Ttriple":
+        return 273.15 + 11.8
+    if wanted == "pmax":
+        return 2.5e7
+    asked = dict(zip(state[:-1:2], state[1:-1:2], strict=True))
+    if wanted == "T":
+        assert asked == {"P": ATMOSPHERIC_PRESSURE, "Q": 0}
+        return 273.15 + 80.0
+    kelvin = float(asked["T"])  # type: ignore[arg-type]
+    if wanted == "P":
+        return 100.0 * (kelvin - 270.0)
+    return {"D": float(asked["P"]), "V": 1e-3 * kelvin, "C": 2.0 * kelvin}[wanted]  # type: ignore[arg-type]
+
+
+def test_a_table_holds_the_liquid_from_freezing_to_10_kelvin_below_boiling(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whole 5 K, up to the pressure that is known; at zero pressure the liquid about to boil."""
+    package = SimpleNamespace(PropsSI=_made_up)
+    monkeypatch.setattr(coolprop, "package_of_extra", lambda *_: package)
+    rows = list(csv.reader(io.StringIO(coolprop_table("made up"))))
+    values = np.array(rows[1:], dtype=float)
+    assert np.unique(values[:, 0]) == pytest.approx(np.arange(15.0, 71.0, 5.0))
+    assert values[:3, 1] == pytest.approx([0.0, 100.0, 200.0])
+    kelvin = values[:, 0] + 273.15
+    vapour = 100.0 * (kelvin - 270.0)
+    pressed = values[:, 1] > 0.0
+    assert values[pressed, 2] == pytest.approx(1e5 * values[pressed, 1])
+    boiling = values[~pressed, 2] / vapour[~pressed]
+    assert np.all((boiling > 1.0) & (boiling < 1.01))
+    for column, wanted in ((3, 1e-3 * kelvin), (4, 2.0 * kelvin), (5, vapour)):
+        assert values[:, column] == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(("triple", "first"), [(9.6, 15.0), (9.47, 10.0), (-60.0, -40.0)])
+def test_a_table_begins_half_a_kelvin_above_freezing(
+    triple: float, first: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def liquid(wanted: str, *state: object) -> float:
+        return 273.15 + triple if wanted == "Ttriple" else _made_up(wanted, *state)
+
+    monkeypatch.setattr(coolprop, "package_of_extra", lambda *_: SimpleNamespace(PropsSI=liquid))
+    assert coolprop_table("made up").splitlines()[1].startswith(f"{first:g},0,")
 
 
 @pytest.mark.parametrize("words", [["coolprop:Water"], ["iso_vg_46", "-o", "x.csv"]])
