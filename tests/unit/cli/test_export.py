@@ -13,8 +13,10 @@ import xarray as xr
 from scipy.io import loadmat
 
 from toothspace.cli import main
+from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import write_dataset
 from toothspace.core.types import Array
+from toothspace.results import exchange
 from toothspace.results.solution import load_solution
 
 
@@ -221,3 +223,15 @@ def test_zarr_needs_its_extra(
     monkeypatch.setitem(sys.modules, "zarr", None)
     assert main(["export", saved_map(tmp_path), "-o", str(tmp_path / "map.zarr")]) == 2
     assert "toothspace[zarr]" in capsys.readouterr().err
+
+
+def test_a_folder_that_is_no_zarr_store_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether or not the extra is there."""
+    monkeypatch.setattr(exchange, "package_of_extra", lambda *_: None)
+    (tmp_path / "mine.zarr").mkdir()
+    (tmp_path / "mine.zarr" / "kept").touch()
+    with pytest.raises(CaseError, match="a folder that is no Zarr store"):
+        exchange.write_zarr(xr.Dataset({"a": 1.0}), tmp_path / "mine.zarr")
+    assert (tmp_path / "mine.zarr" / "kept").exists()

@@ -6,12 +6,15 @@ import gc
 import pickle
 import tracemalloc
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
 
+from toothspace.core.files import write_whole
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.results import stream
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution, load_solution
 from toothspace.results.stream import SampleStream
@@ -67,3 +70,16 @@ def test_saved_like_any_other_result(tmp_path: object) -> None:
     solution = streamed(700, 50)
     again = load_solution(solution.save(f"{tmp_path}/run.nc"))
     assert again.data.identical(solution.data.compute())
+
+
+def test_rows_wait_until_a_write_is_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """2000 rows of three variables in parts of 50: no more writes than pieces of 512 rows."""
+    writes = []
+
+    def counted(*given: Any) -> None:
+        writes.append(given)
+        write_whole(*given)
+
+    monkeypatch.setattr(stream, "write_whole", counted)
+    assert streamed(2000, 50).data.sizes["time"] == 2000
+    assert 3 < len(writes) <= 3 * 4
