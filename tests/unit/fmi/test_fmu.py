@@ -23,7 +23,7 @@ from tests.study_cases import REPOSITORY, case_with_study
 from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.types import Array
-from toothspace.fmi import archive, export
+from toothspace.fmi import archive, export, machine_file
 from toothspace.fmi.operating_tables import PULSATING, ShaftSamples, tables_of
 from toothspace.studies.study import Record
 
@@ -545,3 +545,16 @@ def test_one_of_a_unit_for_display_is_so_many_si_units(si: str, shown: str, one:
     _, factors = archive.UNITS[si]
     assert factors[shown] * one == pytest.approx(1.0)
     assert archive.unit_attributes(si) == {"unit": si, "displayUnit": shown}
+
+
+def test_shafts_of_both_units_begin_with_the_same_small_inertia() -> None:
+    """That of a disc of 0.8 kg, 100 mm across."""
+    tables = xr.Dataset(
+        {"low_pressure": 1e5},
+        coords={"pressure_difference": [1e6, 3e7], "shaft_speed": [50.0, 150.0]},
+        attrs={"mode": "motor", "drain": "external"},
+    )
+    found = {v.name: v for v in archive.fmu_variables(tables, free_shaft=True)}
+    assert found["shaft_inertia"].start == machine_file._SHAFT_INERTIA
+    assert found["shaft_inertia"].start == pytest.approx(0.5 * 0.8 * 0.05**2)
+    assert found["shaft_inertia"].causality == "parameter"
