@@ -20,6 +20,7 @@ from toothspace.model.description import Motion
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver.initial import start_state
+from toothspace.solver.integrator import start_march
 
 LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
 CONDITION = OperatingCondition(
@@ -197,3 +198,8 @@ def test_a_file_begins_with_where_its_parts_are(scheduled: bool) -> None:
         assert struct.unpack_from("<4d", content, memory + schedule) == (0.0, 150.0, 1e12, 150.0)
     else:
         assert schedule == -1
+    # time up to which steps were made, in the record of the integrator
+    control = start_march(system, state).state.control
+    offset = control.dtype.fields["valid_until"][1]
+    (kept,) = np.frombuffer(content, control.dtype, 1, memory + places[8] - offset)
+    assert kept == control[0]
