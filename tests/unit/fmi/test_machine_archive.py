@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import zipfile
 from collections.abc import Sequence
@@ -11,11 +12,14 @@ from xml.etree import ElementTree
 
 import pytest
 
+from tests.unit.fmi.test_machine_file import cylinders
 from toothspace import api
 from toothspace.core.compilation.library import Way, chosen
 from toothspace.core.errors import CaseError
 from toothspace.fmi.archive import found_compiler
+from toothspace.fmi.machine_file import MachineFile, _file
 from toothspace.fmi.machine_unit import export_machine, machine_unit
+from toothspace.solver.initial import start_state
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"
 HOST = Path(__file__).parent / "data" / "fmu_host.c"
@@ -82,3 +86,33 @@ def test_what_cannot_be_is_refused() -> None:
         machine_unit(case, fmi="1")
     with pytest.raises(CaseError, match="--flow: found 'drain', allowed 'inlet' or 'outlet'"):
         machine_unit(case, flows=("drain",))
+
+
+@pytest.mark.parametrize(("fmi", "described"), [("2", "ScalarVariable"), ("3", "Float64")])
+def test_what_a_unit_says_of_its_variables(
+    fmi: str, described: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the description and on its page: which are means, and how the speed gets to its value."""
+    system = cylinders()
+    content, variables = _file(system, start_state(system), "0123456789abcdef")
+    monkeypatch.setattr(
+        "toothspace.fmi.machine_unit.machine_file",
+        lambda *_, **__: MachineFile(content, variables, "Six cylinders"),
+    )
+    with zipfile.ZipFile(io.BytesIO(machine_unit(api.load_case(PUMP), fmi=fmi))) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        page = archive.read("documentation/index.html").decode()
+        binaries = [name for name in archive.namelist() if name.startswith("binaries/")]
+        assert archive.read("resources/model.machine") == content
+    said = {str(one.get("name")): str(one.get("description")) for one in root.iter(described)}
+    said.pop("time", None)
+    assert set(said) == {one.name for one in variables}
+    assert [name for name, text in said.items() if text.endswith("mean over the last step")] == [
+        "inlet_flow_rate",
+        "outlet_flow_rate",
+    ]
+    assert said["shaft_speed"].endswith("reached along a straight line at the end of a step")
+    assert page.startswith("<!DOCTYPE html>")
+    assert all(f"<td>{name}</td>" in page for name in said)
+    (binary,) = binaries
+    assert binary.rpartition("/")[2] in page
