@@ -282,6 +282,8 @@ def test_rules_count_in_working_modules() -> None:
     """Of the working pitch: twice the centre distance over the difference of the tooth counts."""
     found = describe(load_case(CASE))
     checks = {check.name: check.allowed for check in found.checks}
+    (fouled,) = (c.value for c in found.checks if c.name == "overlap of the teeth")
+    assert fouled == pytest.approx(1e6 * overlap(assemble(load_case(CASE).machine_spec)))
     apart = found.geometry_summary["center_distance_mm"]
     for name, modules in (("root clearance, ring", 0.05), ("tip land, pinion", 0.2)):
         least = float(checks[name].split()[2])

@@ -9,6 +9,7 @@ import pytest
 
 from toothspace.core.errors import CaseError
 from toothspace.films import FilmFluid, LateralFilm, LateralSolution, RoughSurfaces
+from toothspace.films.plane.ring import FaceFilms
 from toothspace.numerics.complementarity import residual
 
 VISCOSITY = 0.02
@@ -240,3 +241,36 @@ def test_disc_pulled_off_refills_without_loss_of_liquid() -> None:
     assert found.history(step).content == pytest.approx(film.side_gap, rel=1e-9)
     with pytest.raises(CaseError, match="keep the grid"):
         replace(film, grid=(8, 8)).solve(history=found.history(step))
+
+
+def test_a_leaning_pattern_that_turns_is_the_same_in_every_direction() -> None:
+    """Lean about x or about y: a quarter turn of load and gap."""
+    lean = 0.3 * RING.side_gap / RING.outer_radius
+    one, other = (
+        replace(RING, tilt=tilt).solve(shaft_speed=100.0, gap_speed=70.0)
+        for tilt in ((lean, 0.0), (0.0, lean))
+    )
+    load, about_x, about_y = one.load
+    assert other.load == pytest.approx([load, -about_y, about_x], rel=1e-6, abs=1e-9 * load)
+    oblique = replace(RING, tilt=(0.6 * lean, 0.8 * lean)).solve(shaft_speed=100.0, gap_speed=70.0)
+    turned = [load, 0.6 * about_x - 0.8 * about_y, 0.8 * about_x + 0.6 * about_y]
+    assert oblique.load == pytest.approx(turned, rel=1e-3, abs=1e-3 * abs(about_y))
+
+
+def test_a_recess_all_over_a_ring_is_sheared_at_its_own_depth() -> None:
+    """pi mu omega (R^4 - r^4)/(2 (h + d))."""
+    deep = replace(RING, depth=np.full(RING.grid, 15e-6), outer_pressure=1e5)
+    film = deep.solve(shaft_speed=100.0)
+    exact = 0.5 * np.pi * VISCOSITY * 100.0 * (0.02**4 - 0.009**4) / 25e-6
+    assert -film.friction_torque == pytest.approx(exact, rel=2e-3)
+
+
+def test_films_of_two_bodies_press_on_one_face_about_its_origin() -> None:
+    """Force p times area at the axes; moments are r x F of a force along z."""
+    ring = replace(RING, outer_pressure=2e5, inner_pressure=2e5)
+    film = ring.solve()
+    area = np.pi * (0.02**2 - 0.009**2)
+    faces = FaceFilms(("one", "other"), ((0.03, -0.01), (-0.02, 0.04)), (film, film))
+    force = 2e5 * area
+    expected = [2.0 * force, (-0.01 + 0.04) * force, -(0.03 - 0.02) * force]
+    assert faces.load == pytest.approx(expected, rel=1e-6)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import CaseError
+from toothspace.films.definitions import RoughSurfaces
 from toothspace.films.plane.film import solve_plane
 from toothspace.films.plane.pad import Pad, Pocket
 from toothspace.films.reynolds.equation import film_balance
@@ -247,3 +248,110 @@ def test_forces_on_pad_and_wall_balance() -> None:
     scale = VISCOSITY * SPEED * pad.length * pad.width / pad.outlet_height
     exact = 4.0 * np.log(ratio) / (ratio - 1.0) - 6.0 / (ratio + 1.0)
     assert film.friction == pytest.approx(scale * exact, rel=1e-4)
+
+
+def _parallel(moving: float, resting: float, **more: float) -> Pad:
+    rough = RoughSurfaces(moving_roughness=moving, resting_roughness=resting, **more)
+    return replace(
+        ENDLESS, inlet_height=3e-6, outlet_height=3e-6, surfaces=rough, cavitation_pressure=-1e9
+    )
+
+
+def test_drag_belongs_to_the_rough_wall_of_a_pad() -> None:
+    """Parallel walls: what is rough is dragged alike, whether it slides or rests."""
+    sliding, resting = (
+        _parallel(*walls).solve(speed=SPEED) for walls in ((1e-6, 0.0), (0.0, 1e-6))
+    )
+    assert sliding.friction == pytest.approx(resting.resting_friction, rel=1e-9)
+    assert sliding.resting_friction == pytest.approx(resting.friction, rel=1e-9)
+    assert abs(sliding.friction - sliding.resting_friction) > 0.01 * sliding.friction
+
+
+def test_asperities_drag_both_walls_of_a_pad() -> None:
+    """By the boundary coefficient of what they carry, with the direction of the motion."""
+    dry = _parallel(1e-6, 1e-6, boundary_friction=0.0).solve(speed=SPEED)
+    for speed in (SPEED, -SPEED):
+        film = _parallel(1e-6, 1e-6, boundary_friction=0.2).solve(speed=speed)
+        sense = np.sign(speed)
+        assert film.contact_load > 0.0
+        assert film.contact_friction == pytest.approx(sense * 0.2 * film.contact_load)
+        for name in ("friction", "resting_friction"):
+            more = getattr(film, name) - sense * getattr(dry, name)
+            assert more == pytest.approx(film.contact_friction, rel=1e-6), name
+
+
+def test_a_pocket_as_wide_as_the_pad_is_sheared_at_its_own_depth() -> None:
+    """Rayleigh's steps: q = U/2 sum(l/h^2)/sum(l/h^3), drag mu U l/h + h/2 dp/dx l of each part."""
+    depth, part = 1.5 * HEIGHT, 0.4 * LENGTH
+    pad = replace(
+        ENDLESS, inlet_height=HEIGHT, grid=(200, 4), cavitation_pressure=-1e9,
+        pocket=Pocket(depth, 0.3 * LENGTH, part, 1.0),
+    )  # fmt: skip
+    film = pad.solve(speed=SPEED)
+    length, height = np.array([LENGTH - part, part]), np.array([HEIGHT, HEIGHT + depth])
+    flow = 0.5 * SPEED * np.sum(length / height**2) / np.sum(length / height**3)
+    slope = 12.0 * VISCOSITY * (0.5 * SPEED * height - flow) / height**3
+    sheared = np.sum(VISCOSITY * SPEED * length / height)
+    pushed = np.sum(0.5 * height * slope * length)
+    assert film.inlet_flow == pytest.approx(flow * WIDTH, rel=1e-6, abs=0.0)
+    assert film.friction == pytest.approx(WIDTH * (sheared + pushed), rel=0.01)
+    assert film.resting_friction == pytest.approx(WIDTH * (sheared - pushed), rel=0.01)
+
+
+def test_a_pad_that_is_pressed_down_heats_its_film_by_the_work_of_its_load() -> None:
+    film = replace(ENDLESS, inlet_height=HEIGHT, ambient_pressure=3e6).solve(
+        speed=0.0, squeeze_velocity=-1e-3
+    )
+    load = VISCOSITY * LENGTH**3 * WIDTH * 1e-3 / HEIGHT**3
+    assert film.load == pytest.approx(load, rel=1e-3)
+    assert film.dissipated_power == pytest.approx(1e-3 * load, rel=1e-3)
+
+
+def test_half_a_pad_has_no_moment_about_its_line_of_motion() -> None:
+    plane = ENDLESS.solve(speed=SPEED).plane
+    assert plane.film.weight == 2.0
+    force, about_x, about_y = plane.load(plane.pressure)
+    assert about_x == 0.0
+    assert about_y < 0.0 < force
+
+
+def test_a_film_holds_the_liquid_of_gap_and_pocket() -> None:
+    """At a pressure of 0.59 GPa the liquid of Dowson and Higginson is 1.17 times as dense."""
+    pressed = FilmFluid(VISCOSITY, compressible=True)
+    for fluid, dense in ((FilmFluid(VISCOSITY), 1.0), (pressed, 1.17)):
+        pad = replace(
+            ENDLESS, inlet_height=HEIGHT, fluid=fluid,
+            ambient_pressure=0.59e9, cavitation_pressure=0.1e9,
+            pocket=Pocket(3.0 * HEIGHT, 0.5 * LENGTH, 0.5 * LENGTH, 1.0),
+        )  # fmt: skip
+        film = pad.solve(speed=0.0)
+        content = film.history(1e-3).content
+        np.testing.assert_allclose(
+            content,
+            dense * film.plane.film.gap.centre * np.repeat([1.0, 4.0], 25)[:, None],
+            rtol=1e-6,
+        )
+
+
+def test_the_error_of_a_balance_is_what_is_missing_over_what_flows() -> None:
+    plane = ENDLESS.solve(speed=SPEED).plane
+    flow = float(np.abs(plane.flows[0]).max())
+    assert plane.relative_error(-0.02 * flow, flow) == pytest.approx(0.02, rel=1e-12)
+    assert plane.relative_error(1e-30, 1e-30) == 0.0
+
+
+def test_a_full_film_does_not_feel_the_pressure_of_a_cavity_that_it_has_not() -> None:
+    """The density is that of the absolute pressure, which is above both."""
+    fluid = FilmFluid(VISCOSITY, compressible=True)
+    base = replace(ENDLESS, fluid=fluid, ambient_pressure=1e8)
+    low, high = (
+        replace(base, inlet_height=2e-6, outlet_height=1e-6, cavitation_pressure=pressure).solve(
+            speed=SPEED
+        )
+        for pressure in (0.0, 9e7)
+    )
+    assert low.status.succeeded
+    assert low.max_pressure > 1.4e8
+    np.testing.assert_allclose(high.pressure, low.pressure, rtol=1e-7)
+    rigid = replace(low.pad, fluid=FilmFluid(VISCOSITY)).solve(speed=SPEED)
+    assert abs(rigid.load / low.load - 1.0) > 5e-4

@@ -112,3 +112,30 @@ def test_long_steps_with_memory_reach_the_steady_film() -> None:
     for _ in range(4):
         film = BEARING.solve(eccentricity=(0.5, 0.0), shaft_speed=SPEED, history=film.history(10.0))
     assert film.force == pytest.approx(steady.force, rel=1e-4)
+
+
+@pytest.mark.parametrize(("ratio", "memory"), [(0.2, False), (0.9, False), (0.5, True)])
+def test_every_step_of_an_orbit_is_in_balance(ratio: float, memory: bool) -> None:
+    """Backward differences, the first of first order: m a = load + film; close to the bush too."""
+    plain = replace(BEARING, grooves=(), grid=(48, 9), supply="none")
+    mass, step = 2.0, 5e-5
+    settings = OrbitSettings(
+        position=(ratio * 60e-6, 0.0), velocity=(0.01, 0.0), duration=5 * step, time_step=step,
+        film_memory=memory,
+    )  # fmt: skip
+    orbit = shaft_orbit(
+        plain, mass=mass, load=lambda t: (200.0 * t / step, 500.0), shaft_speed=SPEED,
+        settings=settings,
+    )  # fmt: skip
+    assert orbit.converged
+    assert orbit.time == pytest.approx(step * np.arange(6), rel=1e-12)
+    load = np.column_stack([200.0 * orbit.time / step, np.full(6, 500.0)])
+
+    def rate(values: np.ndarray) -> np.ndarray:
+        later = 1.5 * values[2:] - 2.0 * values[1:-1] + 0.5 * values[:-2]
+        return np.vstack([values[1:2] - values[:1], later]) / step
+
+    speed = np.abs(orbit.velocity).max()
+    np.testing.assert_allclose(rate(orbit.position), orbit.velocity[1:], atol=1e-9 * speed)
+    missing = load[1:] + orbit.force[1:] - mass * rate(orbit.velocity)
+    assert np.abs(missing).max() < 1e-5 * np.abs(orbit.force).max()

@@ -76,6 +76,22 @@ def test_partial_enthalpies_are_derivatives_by_mass(law: FluidLaw, fraction: flo
         assert (ends[1] - ends[0]) / (2.0 * sum(change)) == pytest.approx(float(expected), rel=1e-3)
 
 
+@pytest.mark.parametrize("fraction", [0.0, 0.05, 0.4])
+def test_partial_enthalpies_add_up_to_that_of_liquid_and_free_gas(fraction: float) -> None:
+    """With nuclei that count; at half the feed's pressure gas and liquid have given off heat."""
+    law = LAWS[0]._replace(nuclei_mass_fraction=0.1)
+    pressure = 0.5 * law.saturation_pressure
+    free = float(free_gas_fraction(fraction, law))
+    of_liquid, of_gas = liquid_enthalpy(pressure, law), gas_enthalpy(pressure, law)
+    first, second = partial_enthalpies(pressure, fraction, law)
+    whole = (1.0 - free) * of_liquid + free * of_gas
+    assert (1.0 - fraction) * first + fraction * second == pytest.approx(whole, rel=1e-9)
+    step = 1e-6
+    slope = free_gas_fraction(fraction + step, law) - free_gas_fraction(fraction - step, law)
+    slope *= (of_gas - of_liquid) / (2.0 * step)
+    assert second - first == pytest.approx(slope, rel=1e-6)
+
+
 @pytest.mark.parametrize("law", LAWS, ids=["oil", "fuel"])
 @pytest.mark.parametrize("fraction", [0.0, 1e-8, 2e-6, 1e-4, 1e-2])
 def test_derivatives_of_the_pressure(law: FluidLaw, fraction: float) -> None:

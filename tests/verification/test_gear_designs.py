@@ -39,7 +39,7 @@ class RandomPairs:
     def __init__(self, count: int, seed: int) -> None:
         rng = np.random.default_rng(seed)
         self.module, self.angle = rng.uniform(2e-3, 4e-3, count), rng.uniform(0.2, 0.5, count)
-        self.backlash = rng.uniform(0.0, 0.1, count) * self.module
+        self.backlash = rng.uniform(0.0, 0.13, count) * self.module
         self.dedendum = rng.uniform(1.0, 1.45, count)
         self.teeth = [self._teeth(rng, count) for _ in range(2)]
 

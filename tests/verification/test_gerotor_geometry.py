@@ -17,7 +17,7 @@ from toothspace.machines.gerotor.flow_paths import gap_by_motion, slip_speed
 from toothspace.machines.gerotor.parameters import PortContourParameters, RotorParameters
 from toothspace.machines.gerotor.pockets import Pockets, area_by_motion, lobe_path, pockets
 from toothspace.machines.gerotor.ports import PocketPolygons, kinematic_lands, openings, ports_of
-from toothspace.machines.gerotor.profiles import Rotors, rotors_from, trochoid_of
+from toothspace.machines.gerotor.profiles import Rotors, Trochoid, rotors_from, trochoid_of
 from toothspace.machines.gerotor.summary import flow_ripple
 
 RIM = 26e-3
@@ -91,6 +91,17 @@ def test_generating_radius_inside_the_pitch_circle_is_refused():
     """The lobe centres must lie outside the pitch circle of 17.5 mm."""
     with pytest.raises(GeometryError, match=r"generating_radius: found 17 mm, allowed above 17.5"):
         rotors_from(replace(TROCHOIDAL, generating_radius=17e-3))
+
+
+@pytest.mark.parametrize("count", [4, 6, 11])
+def test_floors_of_cavities_end_where_lobes_touch_for_the_last_time(count: int) -> None:
+    """There the normal of the lobe is a tangent of the pitch circle about the outer centre."""
+    lobes, radius = count + 1, 25e-3
+    given = Trochoid(count, 0.6 * radius / lobes, radius, 1e-3)
+    design = replace(given, lobe_radius=given.floor_limit)
+    lean = np.arcsin(lobes * design.eccentricity / radius)
+    place = radius - design.lobe_radius * np.exp(1j * lean)
+    assert abs(place) == pytest.approx(design.cavity_radius, rel=1e-12)
 
 
 @pytest.mark.parametrize(

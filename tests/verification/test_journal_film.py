@@ -9,7 +9,7 @@ import pytest
 
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films import Groove, JournalBearing
+from toothspace.films import Groove, JournalBearing, RoughSurfaces
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import solve_motion
 
@@ -24,6 +24,8 @@ GROOVED = JournalBearing(
     end_pressure=1.2e5,
     cavitation_pressure=0.9e5,
 )
+
+PLAIN = replace(GROOVED, grooves=(), grid=(48, 9), supply="none")
 
 
 def _half_sommerfeld(bearing: JournalBearing, ratio: float) -> tuple[float, float]:
@@ -288,3 +290,40 @@ def test_film_squeezed_faster_than_it_flows_settles(
     assert fields.saturation.max() <= 1.0 + 1e-9
     assert fields.saturation.min() >= 0.0
     assert np.all((fields.potential == 0.0) | (fields.saturation == 1.0))
+
+
+def test_a_bush_that_turns_is_the_film_of_its_own_walls() -> None:
+    """Rough walls change places: with the bush in place of the shaft the film is the same."""
+    rough = {"moving_roughness": 6e-6, "resting_roughness": 2e-6}
+    swapped = {"moving_roughness": 2e-6, "resting_roughness": 6e-6}
+    one, other = (
+        replace(PLAIN, surfaces=RoughSurfaces(**walls, contact_law="none"))
+        for walls in (rough, swapped)
+    )
+    shaft = one.solve(eccentricity=(0.5, 0.1), shaft_speed=100.0)
+    bush = other.solve(eccentricity=(0.5, 0.1), shaft_speed=0.0, bush_speed=100.0)
+    assert bush.force == pytest.approx(shaft.force, rel=1e-9)
+    wrong = one.solve(eccentricity=(0.5, 0.1), shaft_speed=0.0, bush_speed=100.0)
+    assert wrong.force != pytest.approx(shaft.force, rel=1e-3)
+
+
+def test_numbers_of_a_journal_by_hand() -> None:
+    """Both walls turn: S = (eta N/P)(R/c)^2 of the sum of their speeds; lanes about the middle."""
+    film = PLAIN.solve(eccentricity=(0.5, 0.0), shaft_speed=90.0, bush_speed=30.0)
+    pressure = film.load / (PLAIN.diameter * PLAIN.length)
+    turns = 120.0 / (2.0 * np.pi)
+    ratio = 0.5 * PLAIN.diameter / PLAIN.radial_clearance
+    number = PLAIN.dynamic_viscosity * turns / pressure * ratio**2
+    assert film.sommerfeld_number == pytest.approx(number, rel=1e-9)
+    lanes = PLAIN.grid[1]
+    edges = np.linspace(-0.5 * PLAIN.length, 0.5 * PLAIN.length, lanes + 1)
+    assert film.axial_position == pytest.approx(0.5 * (edges[1:] + edges[:-1]), abs=1e-15)
+
+
+def test_a_shaft_that_approaches_heats_its_film_by_its_work() -> None:
+    """It does not turn, and the oil leaves at no pressure: F v and M times the rate of tilt."""
+    open_ends = replace(PLAIN, end_pressure=0.0, cavitation_pressure=0.0)
+    film = open_ends.solve(shaft_speed=0.0, velocity=(2e-3, -1e-3), tilt_rate=(0.3, 0.2))
+    work = -film.force @ [2e-3, -1e-3] - film.moment @ [0.3, 0.2]
+    assert film.moment @ [0.3, 0.2] < -0.01 * work
+    assert film.dissipated_power == pytest.approx(work, rel=1e-6)

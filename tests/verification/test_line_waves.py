@@ -249,6 +249,20 @@ def test_soft_coupling_lets_the_load_swing_at_its_own_frequency() -> None:
     np.testing.assert_allclose(data["load_speed"].values, expected, atol=0.02 * 2.4)
 
 
+def test_a_coupling_turns_its_load() -> None:
+    """J dw/dt = coupling torque - load torque, with the damping of the coupling in the first."""
+    text = MOTOR.replace('linear = "0.0002 N m/rpm"\ncubic = "4e-7 N m s^3/rad^3"\n', "")
+    push = '\n[circuit.push]\nkind = "torque_source"\ntorque = [["0 s", "0.2 N m"]]\n'
+    damped = COUPLING.format(stiffness=2, damping=0.02)
+    short = 'circuit.duration="0.15 s"', "run.time_samples=200"
+    data = run(text + damped + push, *short).data
+    time, speed = data["time"].values, data["load_speed"].values
+    turning = (data["coupling_torque"] - data["load_torque"]).values
+    gained = 0.0035 * np.gradient(speed, time)
+    np.testing.assert_allclose(gained[1:-1], turning[1:-1], atol=4e-3)
+    assert np.abs(speed).max() == pytest.approx(0.2 / np.sqrt(2.0 * 0.0035), rel=0.2)
+
+
 SOFT = COUPLING.format(stiffness=5, damping=0)
 SPIN = '[circuit.spin]\nkind = "speed_source"\nspeed = [["0 s", "60 rpm"]]\n'
 

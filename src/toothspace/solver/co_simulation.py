@@ -23,6 +23,10 @@ Place = tuple[str, int]
 """What is set, and the row of its element; -1 for the shaft."""
 
 
+_ROUNDED = 1.0 + 1e-12
+"""Points in time that differ by less are one. [-]"""
+
+
 @final
 class CoSimulation:
     """Units of a march.
@@ -46,9 +50,11 @@ class CoSimulation:
         """Communication points that are still to come up to a time. [s]."""
         points: set[float] = set()
         for unit, taken in zip(self._units, self._steps, strict=True):
-            last = int(end / unit.keys.step * (1.0 + 1e-12))
+            last = int(end / unit.keys.step * _ROUNDED)
             points.update(unit.keys.step * k for k in range(taken, last + 1))
-        return sorted(points)
+        # multiples of two steps that meet differ by rounding
+        ordered = sorted(points)
+        return [b for a, b in zip([-1.0, *ordered], ordered, strict=False) if b > a * _ROUNDED]
 
     def meet(self, time: float, state: Array) -> None:
         """Step all units whose point this is [s], and set the lines that follow."""
@@ -61,7 +67,7 @@ class CoSimulation:
                 )
         evaluate_state(self._system.arrays, state)
         for k, (unit, instance) in enumerate(zip(self._units, self._running, strict=True)):
-            if unit.keys.step * self._steps[k] > time * (1.0 + 1e-12):
+            if unit.keys.step * self._steps[k] > time * _ROUNDED:
                 continue
             self._steps[k] += 1
             told, nodes = {"speed": state[1], "angle": state[0]}, self._system.arrays.node

@@ -163,3 +163,14 @@ def test_a_ratio_of_solved_to_closed_form_is_that_of_its_place(journal_map: Jour
         found = complex(*force_at(state, 0.0, scaled)[:2])
         expected = closed * ratio(_GAP_STEPS[-1], direction)
         assert abs(found - expected) < 5e-3 * abs(expected)
+
+
+def test_the_slope_by_turning_is_rounded_over_a_thousandth_of_the_clearance(
+    journal_map: JournalMap,
+) -> None:
+    """e^2/(e^2 + 1e-6) of it: half at a thousandth, 0.9 at three, whole further out."""
+    for ecc, share in ((1e-3, 0.5), (3e-3, 0.9), (0.1, 1.0)):
+        state, step = np.array([ecc, 0.0, -0.2, 0.7]), np.array([0.0, 1e-2 * ecc, 0.0, 0.0])
+        ends = [force_at(state + sign * step, 0.0, journal_map)[1] for sign in (-1.0, 1.0)]
+        slope = force_at(state, 0.0, journal_map)[2:].reshape(2, 4)[1, 1]
+        assert slope == pytest.approx(share * (ends[1] - ends[0]) / (2e-2 * ecc), rel=1e-3)

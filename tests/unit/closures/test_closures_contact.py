@@ -77,6 +77,14 @@ def test_range_of_the_internal_law(millimetres: float, allowed: bool) -> None:
     assert in_pereira_range(1e-3 * millimetres, True) is allowed
 
 
+def test_the_external_law_asks_for_a_nanometre_of_difference() -> None:
+    assert [in_pereira_range(1e-9 * part, False) for part in (0.95, 1.05, 1e9)] == [
+        False,
+        True,
+        True,
+    ]
+
+
 def test_hertz() -> None:
     """Half width and pressure carry the load: q = pi b p0 / 2."""
     load, radius = 88e3, 4e-3

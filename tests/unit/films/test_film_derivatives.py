@@ -19,11 +19,21 @@ from toothspace.films.reynolds.equation import (
     FilmGrid,
     FluidField,
     GapField,
+    face_values,
+    face_variation,
     film_balance,
     ring_grid,
+    smooth_values,
+    smooth_variation,
     vary_storage,
 )
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, flow_law
+from toothspace.films.reynolds.rough_surfaces import (
+    SMOOTH,
+    FlowLaw,
+    carried_law,
+    conductance_law,
+    flow_law,
+)
 
 ROWS, LANES = 3, 2
 ROUGH = RoughSurfaces(
@@ -133,3 +143,49 @@ def test_oil_that_a_supply_presses_through_a_bearing_at_rest_warms_it() -> None:
     assert film.dissipated_power == pytest.approx(film.side_flow * 20e5, rel=1e-9)
     turning = bearing.solve(eccentricity=(0.2, 0.0), shaft_speed=50.0 * pi)
     assert turning.dissipated_power > turning.power_loss
+
+
+def test_two_half_cells_conduct_and_carry_as_in_series() -> None:
+    """Gaps of 1 and 2: the resistances 1 and 1/8 add, and so do 1 and 1/4 of what they carry."""
+    assert smooth_values(1.0, 2.0) == pytest.approx((2.0 / 1.125, 1.25 / 1.125), rel=1e-12)
+    assert smooth_values(2.0, 1.0) == pytest.approx(smooth_values(1.0, 2.0), rel=1e-12)
+    assert smooth_values(3.0, 3.0) == (27.0, 3.0)
+    near = smooth_values(3.0, 3.0 * (1.0 + 1e-9))
+    assert near == pytest.approx((27.0, 3.0), rel=1e-8)
+
+
+@pytest.mark.parametrize(("left", "right"), [(1.0, 2.0), (3.0, 1.0), (2.0, 2.0)])
+def test_faces_of_smooth_walls_vary_with_both_gaps(left: float, right: float) -> None:
+    step = 1e-6
+    up, down = (np.array(smooth_values(left + s, right + s)) for s in (step, -step))
+    assert smooth_variation(left, right) == pytest.approx((up - down) / (2.0 * step), rel=1e-8)
+
+
+@pytest.mark.parametrize(("left", "right"), [(0.9, 2.1), (4.0, 1.7), (12.0, 30.0), (25.0, 25.0)])
+def test_faces_of_rough_walls_are_half_cells_in_series(left: float, right: float) -> None:
+    law = flow_law(ROUGH, 0.6)
+    for columns, nodes in ((law.along, law.table.along), (law.across, law.table.across)):
+        gaps = np.array([left, right]) * law.roughness
+        cubes = np.array([conductance_law(float(gap), law, columns)[0] for gap in gaps])
+        carried = np.array([carried_law(float(gap), law)[0] for gap in gaps])
+        total = np.sum(1.0 / cubes)
+        expected = 2.0 / total, np.sum(carried / cubes) / total
+        found = face_values(*gaps, law, columns, nodes)
+        assert found == pytest.approx(expected, rel=1e-9, abs=0.0)
+        step = 1e-5 * law.roughness
+        up, down = (np.array(face_values(*(gaps + s), law, columns, nodes)) for s in (step, -step))
+        varied = face_variation(*gaps, law, columns, nodes)
+        assert varied == pytest.approx((up - down) / (2.0 * step), rel=1e-5, abs=0.0)
+
+
+@pytest.mark.parametrize("ratio", [1.03, 2.2, 5.7])
+def test_equal_half_cells_of_rough_walls_take_their_law_from_the_table(ratio: float) -> None:
+    law = flow_law(ROUGH, 0.6)
+    gap = ratio * law.roughness
+    for columns, nodes in ((law.along, law.table.along), (law.across, law.table.across)):
+        cube, cube_slope = conductance_law(gap, law, columns)
+        carried, carried_slope = carried_law(gap, law)
+        found = face_values(gap, gap, law, columns, nodes)
+        assert found == pytest.approx((cube, carried), rel=1e-4, abs=0.0)
+        varied = face_variation(gap, gap, law, columns, nodes)
+        assert varied == pytest.approx((cube_slope, carried_slope), rel=3e-3, abs=0.0)

@@ -36,7 +36,7 @@ eccentricity = [0.5, 0.0]
 
 
 def test_pocket_beyond_the_pad() -> None:
-    with pytest.raises(CaseError, match=r"film\.pocket\.x: found 20 mm"):
+    with pytest.raises(CaseError, match=r"film\.pocket\.x: found 20 mm.* below 20 mm"):
         Pad(
             length=0.02,
             width=0.01,

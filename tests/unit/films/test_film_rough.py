@@ -25,12 +25,16 @@ from toothspace.films import JournalBearing, RoughSurfaces
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import solve_motion
 from toothspace.films.reynolds.rough_surfaces import (
+    SMALLEST_FLOW_GAP,
+    SMOOTH,
     carried_law,
     conductance_law,
     contact_pressure,
     contact_table,
     flow_law,
+    pressure_stress,
     squeeze_law,
+    stress_factors,
     tabulated,
 )
 
@@ -355,3 +359,65 @@ def test_real_contact_of_elastic_surfaces_by_hand() -> None:
     unit = np.pi * 2e11 * 0.4e-6 / (2.0 * 15e-6)
     found = real_contact_share(unit * np.array([1e-12, 0.25]), 0.4e-6, 15e-6, 2e11, 1e15)
     assert found == pytest.approx([1e-12 / 0.2346, 0.25 / 0.35985], rel=1e-5, abs=0.0)
+
+
+def test_rough_walls_carry_their_mean_gap_and_the_difference_of_their_patterns() -> None:
+    """Variances 9 and 4 of 13; what conducts is the pattern of the weighted logarithms."""
+    law, gap = flow_law(ROUGH, 0.6), 2.0 * ROUGH.roughness
+    moving, resting = ff.pattern_columns(3.0), ff.pattern_columns(1 / 3)
+    shear = 9.0 / 13.0 * ff.shear_flow_factor(2.0, moving.shear, moving.weight)[0]
+    shear -= 4.0 / 13.0 * ff.shear_flow_factor(2.0, resting.shear, resting.weight)[0]
+    expected = ROUGH.roughness * (mean_gap_ratio(2.0) + 0.6 * shear)
+    assert carried_law(gap, law)[0] == pytest.approx(expected, rel=1e-12, abs=0.0)
+    for columns, sign in ((law.along, 1.0), (law.across, -1.0)):
+        own = ff.pattern_columns(3.0 ** (sign * 5.0 / 13.0))
+        factor = ff.pressure_flow_factor(2.0, own.pressure, own.weight)[0]
+        found = conductance_law(gap, law, columns)[0]
+        assert found == pytest.approx(factor * gap**3, rel=1e-12, abs=0.0)
+    held = conductance_law(0.3 * SMALLEST_FLOW_GAP * ROUGH.roughness, law, law.along)
+    lowest = ff.pressure_flow_factor(0.0, law.along.pressure, law.along.weight)[0]
+    assert held == (pytest.approx(lowest * (SMALLEST_FLOW_GAP * ROUGH.roughness) ** 3, abs=0.0), 0)
+    assert squeeze_law(gap, law)[0] == pytest.approx(ff.contact_factor(2.0), rel=1e-12)
+
+
+def test_walls_shear_by_their_share_of_the_variance() -> None:
+    law, gap = flow_law(ROUGH, 1.0), 2.0 * ROUGH.roughness
+    moving, resting = ff.pattern_columns(3.0), ff.pattern_columns(1 / 3)
+    of_moving = ff.shear_stress_correction(2.0, moving.stress_correction, moving.weight)
+    of_resting = ff.shear_stress_correction(2.0, resting.stress_correction, resting.weight)
+    mean, pattern = stress_factors(gap, law)
+    assert mean * ROUGH.roughness == pytest.approx(ff.shear_stress_factor(2.0), rel=1e-12)
+    assert pattern * gap == pytest.approx((9.0 * of_moving - 4.0 * of_resting) / 13.0, rel=1e-12)
+    columns = law.along
+    factor = ff.pressure_stress_factor(2.0, columns.pressure_stress, columns.weight)
+    assert pressure_stress(gap, law) == pytest.approx(0.5 * gap * factor, rel=1e-12, abs=0.0)
+    assert pressure_stress(-gap, law) == 0.0
+    # where walls overlap, the pattern counts from a thousandth of the roughness on
+    assert stress_factors(-gap, law)[1] == 0.0
+
+
+def test_smooth_walls_by_hand() -> None:
+    assert conductance_law(2e-6, SMOOTH, SMOOTH.along) == pytest.approx(
+        (8e-18, 12e-12), abs=0.0, rel=1e-12
+    )
+    assert carried_law(2e-6, SMOOTH) == (2e-6, 1.0)
+    assert squeeze_law(2e-6, SMOOTH) == (1.0, 0.0)
+    assert stress_factors(2e-6, SMOOTH) == (pytest.approx(5e5), 0.0)
+    assert pressure_stress(2e-6, SMOOTH) == 1e-6
+
+
+def test_contact_is_tabulated_from_one_roughness_of_overlap_to_five_of_gap() -> None:
+    """Between the nodes the law, along its logarithm below them, nothing above."""
+    points = ((-4.0, 1e9), (4.0, 1e7), (20.0, 1e6))
+    surfaces = replace(ROUGH, contact_law="table", contact_points=points)
+    size, table = surfaces.roughness, contact_table(surfaces)
+    assert table.first == -1.0
+    assert table.first + table.step * (table.value.size - 1) == pytest.approx(5.0, rel=1e-12)
+    slope = np.log(1e-2) / 8.0
+    for ratio in (-2.5, -1.0, -0.31, 0.0, 1.013, 3.9):
+        pressure, rise = contact_pressure(ratio * size, size, table)
+        assert pressure == pytest.approx(1e9 * np.exp(slope * (ratio + 4.0)), rel=1e-9)
+        assert rise * size == pytest.approx(slope * pressure, rel=1e-9)
+    assert contact_pressure(4.99 * size, size, table)[0] > 8e6
+    assert contact_pressure(5.001 * size, size, table) == (0.0, 0.0)
+    assert contact_pressure(5.05 * size, size, table) == (0.0, 0.0)

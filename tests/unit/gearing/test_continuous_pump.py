@@ -172,6 +172,18 @@ def test_rules_name_what_spoils_the_contact() -> None:
     assert "smallest radius of curvature" in {c.name for c in cycloid.checks if not c.passed}
 
 
+def test_tip_land_and_root_clearance_follow_the_transverse_module() -> None:
+    """Eight hundredths of it, and five thousandths where arcs join the involute."""
+    keys = ts.load_case(CASE).replace({f"{GEARS}tip_land": None, f"{GEARS}root_clearance": None})
+    gears = keys.machine.gears
+    gear = gears.continuous_gear()
+    module = gears.module / np.cos(gears.helix_angle)
+    assert gear.module == pytest.approx(module)
+    assert gear.tip_land == pytest.approx(0.08 * module)
+    assert gear.root_clearance == pytest.approx(0.005 * module)
+    assert family_case("cycloidal").machine.gears.continuous_gear().root_clearance == 0.0
+
+
 @pytest.mark.parametrize(
     ("key", "value"),
     [("tip_diameter", "40 mm"), ("profile_shift", 0.2), ("center_distance", "37 mm")],

@@ -111,6 +111,21 @@ def test_plane_outline_with_a_helix_by_key_is_the_pump_of_the_parameters(tmp_pat
     assert found.helix.ripple(flow_over_pitch(gears[1])) < 2e-4
 
 
+def test_a_mate_half_a_percent_larger_is_as_far_off_at_its_tips(tmp_path: Path) -> None:
+    tooth = gear("circular_arc")
+    files = [
+        drawn(tmp_path / f"{name}.txt", tooth, unit)
+        for name, unit in (("drive", 1e-3), ("driven", 1e-3 / 1.005))
+    ]
+    keys = keys_of_file(files[0]) | {"machine.driven_gear.profile": str(files[1])}
+    with pytest.raises(CaseError) as refused:
+        _ = ts.load_case(PUMP).replace(keys).machine_spec
+    (problem,) = refused.value.problems
+    assert problem.key.endswith("driven_gear.profile")
+    off = float(problem.found.removeprefix("an outline ").removesuffix(" mm off"))
+    assert off == pytest.approx(0.005 * 20.25, rel=0.01)
+
+
 def refusals(tmp_path: Path) -> dict[str, tuple[dict[str, Any], str]]:
     arcs, waves = (gear(family) for family in ("circular_arc", "sinusoidal"))
     first, other = drawn(tmp_path / "arcs.txt", arcs), drawn(tmp_path / "waves.txt", waves)

@@ -130,14 +130,42 @@ def test_a_wrong_unit_is_answered_with_both_sizes(tmp_path: Path) -> None:
     assert "it is 40.372 mm and fits" in problem.allowed
 
 
-@pytest.mark.parametrize(("distance", "refused"), [(9.7, True), (10.3, False)])
-def test_a_unit_fits_where_gears_are_up_to_ten_radii_apart(distance: float, refused: bool) -> None:
-    """In inches: without a unit that fits the one that is given stays."""
-    gears = load_case(CASE).machine
-    drawn = generate_profile(MOTOR).scaled(1.0 / 25.4)
-    keys = replace(gears.gears, center_distance=distance * MOTOR.tip_radius, profile_unit="mm")
-    with pytest.raises(CaseError, match="'in'") if refused else nullcontext():
-        check_unit(gears, keys, drawn, "gears")
+@pytest.mark.parametrize(
+    ("size", "distance", "journal", "fits"),
+    [
+        (1.0, 9.7, 0.5, True),
+        (1.0, 10.3, 0.5, False),
+        (1.0, 1.05, 0.5, True),
+        (1.0, 0.95, 0.5, False),
+        (1.0, None, 1.0 / 7.7, True),
+        (1.0, None, 1.0 / 8.3, False),
+        # two tip radii over the number of teeth and two are 2.884 mm
+        (48.0 / 2.884, None, 0.5, True),
+        (52.0 / 2.884, None, 0.5, False),
+    ],
+)
+def test_a_unit_fits_gears_of_possible_size(
+    size: float, distance: float | None, journal: float, fits: bool
+) -> None:
+    """Centres 1 to 10 tip radii apart, roots up to 8 journals, modules up to 50 mm, in inches.
+
+    Without a unit that fits, the one that is given stays.
+    """
+    machine = load_case(CASE).machine
+    drawn = replace(generate_profile(MOTOR).scaled(size), involute=None)
+    apart = None if distance is None else distance * drawn.tip_radius
+    gears = replace(
+        machine.gears,
+        center_distance=apart,
+        normal_backlash=1e-4 if apart is None else None,
+        face_width=1e-2 * size,
+    )
+    bearings = replace(machine.journal_bearings, diameter=2.0 * journal * drawn.root_radius)
+    with pytest.raises(CaseError, match="'in'") if fits else nullcontext():
+        check_unit(
+            replace(machine, gears=gears, journal_bearings=bearings), gears,
+            drawn.scaled(1.0 / 25.4), "gears",
+        )  # fmt: skip
 
 
 @pytest.mark.slow

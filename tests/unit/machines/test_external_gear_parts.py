@@ -178,6 +178,26 @@ def test_ports_open_and_close_at_their_edges() -> None:
         assert not np.any((inlet > 0.0) & (outlet > 0.0))
 
 
+@pytest.mark.parametrize("edges", [(200.0, 55.0), (55.0, 200.0)])
+def test_a_port_that_reaches_beyond_the_far_side_opens_spaces_there(
+    edges: tuple[float, float],
+) -> None:
+    """From where a space has left the mesh to 200 degrees its whole mouth is open."""
+    assembly = assemble(egm12("pump"))
+    half_mouth = np.pi / 12 - 0.5 * assembly.teeth[0].land_angle
+    mouth, edge = 2.0 * half_mouth * assembly.teeth[0].tip_radius, np.deg2rad(200.0)
+    far = int(edges[0] < edges[1])
+    for spaces in assembly.spaces(720):
+        opened = port_lengths(spaces, tuple(np.deg2rad(edges)))[far]
+        place = np.mod(spaces.angles if far == 0 else -spaces.angles, 2.0 * np.pi)
+        whole = (place > np.deg2rad(90.0)) & (place < edge - half_mouth - 1e-3)
+        assert opened[whole] == pytest.approx(mouth, rel=1e-9)
+        cut = (place > edge - half_mouth + 1e-3) & (place < edge + half_mouth - 1e-3)
+        assert np.count_nonzero(cut) > 10
+        rest = (edge + half_mouth - place) * assembly.teeth[0].tip_radius
+        assert opened[cut] == pytest.approx(rest[cut], rel=1e-6)
+
+
 def test_grooves_join_their_own_side_and_end_at_their_edge(pump: MachineDescription) -> None:
     angles = np.linspace(0.0, 2.0 * np.pi, 3000)
     for path in pump.paths:

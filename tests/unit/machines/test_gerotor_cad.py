@@ -21,6 +21,7 @@ from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.cad import export_profiles
 from toothspace.machines.gerotor.pockets import lobe_path, pockets
 from toothspace.machines.gerotor.profiles import rotors_from
+from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, size_beside
 
 PLACES = np.radians(np.arange(0.0, 360.0, 2.5))
 
@@ -150,6 +151,39 @@ def test_command_drafts_a_set_with_few_lobes(tmp_path, capsys):
     assert load_case(target).machine_spec.rotors.inner_tooth_count == 4
 
 
+def told(text: str, key: str) -> float:
+    """Length in a drafted case. [mm]."""
+    return float(text.split(f'{key} = "')[1].split()[0])
+
+
+def rotor(curve: np.ndarray, *others: np.ndarray, axis: tuple[float, ...] = (0.0, 0.0, 1.0)):
+    return DrawnRotor(Path("a.step"), curve, 6, np.array(axis), 0.01, others)
+
+
+def test_rim_and_bore_are_the_circles_round_and_within_a_rotor():
+    """A bore with a flat, a rim, and a hole beside the axis of a rotor off the origin."""
+    turn = 2.0 * np.pi * np.arange(360) / 360
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    center = np.array([3.0, -2.0])
+    flat = np.minimum(1.5 * circle, 1.2) + center
+    drawn = rotor(5.0 * circle + center, 7.0 * circle + center, 0.3 * circle + center + 3.0, flat)
+    assert size_beside(drawn, outside=True) == pytest.approx(14.0)
+    assert size_beside(drawn, outside=False) == pytest.approx(3.0)
+    assert size_beside(rotor(circle), outside=True) is None
+
+
+def test_eccentricity_is_the_distance_of_parallel_axes():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    moved = rotor(square + np.array([3e-3, -4e-3]))
+    assert drawn_eccentricity(rotor(square), moved) == pytest.approx(5e-3)
+    assert drawn_eccentricity(rotor(square), rotor(square)) is None
+    opposite, leaning = (
+        replace(moved, axis=np.array(axis)) for axis in ((0.0, 0.0, -1.0), (0.0, 0.6, 0.8))
+    )
+    assert drawn_eccentricity(rotor(square), opposite) == pytest.approx(5e-3)
+    assert drawn_eccentricity(rotor(square), leaning) is None
+
+
 def test_what_files_do_not_hold_is_asked_for(tmp_path):
     """Rotors drawn about one centre each; a file in another unit; a wrong tooth count."""
     export_profiles(machine(TROCHOIDAL), tmp_path / "pump", "dxf")
@@ -160,6 +194,10 @@ def test_what_files_do_not_hold_is_asked_for(tmp_path):
         tmp_path,
     )
     assert "assumed: give the distance of the rotor centres" in text
+    # lobes across 43.43 mm at most, of a set of six teeth
+    assert told(text, "eccentricity") == pytest.approx(0.1 * 43.43 / 6.0, rel=3e-3)
+    assert told(text, "outer_rotor_diameter") == pytest.approx(1.2 * 43.43, rel=3e-3)
+    assert told(text, "face_width") == 10.0
     (tmp_path / "pump.toml").write_text(text)
     case = load_case(tmp_path / "pump.toml")
     for changes, message in (

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from toothspace import api
 from toothspace.core.registry import optional_function
@@ -48,3 +49,20 @@ def test_parts_have_the_diameters_of_the_case(name: str, tmp_path: Path) -> None
         assert len(curves) == (1 if hole is None else 2), part
         if hole is not None:
             assert radii(curves[1]).min() == pytest.approx(hole, rel=1e-3), part
+
+
+def test_rims_are_circles_that_close_once(tmp_path: Path) -> None:
+    """Corners on a circle, evenly apart: the area of a polygon of as many."""
+    for name, part in (("crescent_pump", "ring"), ("gerotor_trochoidal", "outer")):
+        case = api.load_case(CASES / f"{name}.toml")
+        export = optional_function(case.machine_type, "export_profiles")
+        assert export is not None
+        paths = export(case.machine_spec, tmp_path / name, "dxf")
+        (path,) = (one for one in paths if one.stem.endswith(f"_{part}"))
+        rim = load_closed_curves(path)[0]
+        radius = radii(rim).max()
+        count = len(np.unique(rim.round(9), axis=0))
+        polygon = shapely.Polygon(rim)
+        assert polygon.is_valid
+        even = 0.5 * count * np.sin(2.0 * np.pi / count) * radius**2
+        assert polygon.area == pytest.approx(even, rel=1e-6)

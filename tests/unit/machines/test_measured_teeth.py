@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +12,12 @@ from toothspace import api
 from toothspace.case import load_case
 from toothspace.core.errors import CaseError
 from toothspace.gearing.numbering import number
+from toothspace.gearing.spaces import section_areas
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.geometry.tooth_deviations import read_tooth_deviations
-from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.own_teeth import own_teeth
+from toothspace.machines.external_gear.assembly import Assembly, assemble
+from toothspace.machines.external_gear.own_teeth import OwnTeeth, own_teeth
 
 GEAR = InvoluteGear(12, 2.75e-3, np.deg2rad(20.0), 0.3, 40.372e-3, tip_rounding=1e-4)
 PROFILE = generate_profile(GEAR)
@@ -158,6 +160,65 @@ def test_one_high_flank_turns_the_driven_gear_once(tmp_path: Path) -> None:
     base = FLANK.base_radius
     assert np.ptp(own.turn) * base == pytest.approx(5e-6, rel=1e-2)
     assert 0.05 < np.mean(np.abs(own.turn) > 1e-5) < 0.4
+
+
+def deviating(folder: Path, gear: str, flank: int, tooth: int | None) -> tuple[Assembly, OwnTeeth]:
+    """Teeth of which one, or all, stand out by 5 um at the left (0) or right (1) flank."""
+    heights = np.zeros((2, 12, len(ROLL)))
+    heights[flank, slice(None) if tooth is None else tooth] = 5e-6
+    file = table_file(folder / "gear.csv", *heights)
+    assembly = assemble(pump(f"machine.{gear}.tooth_deviations={file}").machine_spec)
+    return assembly, own_teeth(assembly, number(assembly.counts), assembly.spaces(720))
+
+
+def over_shaft(tables: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Tables of the spaces of both gears at the nodes of the shaft angle."""
+    rows = []
+    for table, phases in zip(tables, number((12, 12)).space_phases, strict=True):
+        shifts = np.rint(phases * 720 / (2.0 * np.pi)).astype(int)
+        rows += [np.roll(row, -shift) for row, shift in zip(table, shifts, strict=True)]
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("gear", ["gears", "driven_gear"])
+def test_a_flank_that_bears_no_load_takes_its_section_from_the_spaces(
+    gear: str, tmp_path: Path
+) -> None:
+    """Wherever the tooth stands, its own space and the mate's lose 5 um along the flank."""
+    section = 5e-6 * np.hypot(*np.diff(PROFILE.left_flank, axis=0).T).sum()
+    borders = []
+    for tooth in (0, 5):
+        flank = 1 if assemble(pump().machine_spec).loaded_is_left else 0
+        _, own = deviating(tmp_path, gear, flank, tooth)
+        assert np.abs(own.turn).max() < 1e-6
+        lost = -over_shaft(own.areas)
+        assert lost.sum(axis=0) == pytest.approx(section, rel=2e-2)
+        own_space = int(lost.mean(axis=1).argmax())
+        assert lost[own_space].max() == pytest.approx(section, rel=2e-2)
+        borders.append(own_space)
+    # five teeth on, five spaces on: against the rotation of the drive gear, with that of the mate
+    first, second = borders
+    assert (second - first) % 12 == (7 if gear == "gears" else 5)
+
+
+def test_flanks_that_bear_load_turn_the_driven_gear_whichever_has_them(tmp_path: Path) -> None:
+    """Back by their height over the base radius; volumes are those of the turned mesh less it."""
+    loaded = 0 if assemble(pump().machine_spec).loaded_is_left else 1
+    section = 12.0 * 5e-6 * np.hypot(*np.diff(PROFILE.left_flank, axis=0).T).sum()
+    turns = []
+    for gear in ("gears", "driven_gear"):
+        assembly, own = deviating(tmp_path, gear, loaded, None)
+        assert np.abs(own.turn) * FLANK.base_radius == pytest.approx(5e-6, rel=1e-2)
+        turns.append(own.turn)
+        mesh = assembly.mesh
+        turned = replace(assembly, mesh=mesh._replace(turn=mesh.turn + own.turn.mean()))
+        change = tuple(
+            np.tile(section_areas(after) - section_areas(before), (12, 1))
+            for before, after in zip(assembly.spaces(720), turned.spaces(720), strict=True)
+        )
+        lost = over_shaft(change).sum(axis=0) - over_shaft(own.areas).sum(axis=0)
+        assert lost == pytest.approx(section, rel=3e-2)
+    assert turns[0] == pytest.approx(turns[1], rel=2e-2)
 
 
 def eccentric(folder: Path, radius: float) -> Path:

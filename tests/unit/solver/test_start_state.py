@@ -11,6 +11,7 @@ import pytest
 from toothspace import api
 from toothspace.model import arrays as col
 from toothspace.model.assembly import assemble
+from toothspace.model.quasi_static import mean_force
 from toothspace.solver.compiled_model import evaluate_state, find_contacts
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
@@ -67,3 +68,26 @@ def test_a_body_of_a_map_starts_at_the_same_share_of_any_clearance() -> None:
         shares.append(float(np.hypot(*place)) / float(clearance.split()[0]) * 1e6)
     assert shares[0] == pytest.approx(shares[1], rel=1e-6)
     assert 0.1 < shares[0] < 1.0
+
+
+@pytest.mark.parametrize("blocks", ["seated", "free"])
+def test_journals_start_at_nine_tenths_of_their_clearance_along_their_load(blocks: str) -> None:
+    """Free blocks carry the journals in them and lean against the bore with both their loads."""
+    case = api.load_case("egm12_pump").replace({"machine.bearing_blocks.motion": blocks})
+    run = api.prepare(case)
+    system = assemble(run.machine, run.fluid, run.condition)
+    place = start_state(system)[system.arrays.size.position :]
+    force = mean_force(run.machine, run.condition) @ system.motion_map
+    carried = 0
+    for journal in system.arrays.journal:
+        own = [int(journal[column]) for column in (col.MOTION_X, col.MOTION_Y)]
+        load, held = force[own].copy(), np.array([journal[col.BUSH_X], journal[col.BUSH_Y]])
+        for other in system.arrays.journal:
+            if other[col.CARRIER_X] == own[0] and own[0] != other[col.MOTION_X]:
+                load += force[[int(other[col.MOTION_X]), int(other[col.MOTION_Y])]]
+        if journal[col.CARRIER_X] >= 0.0:
+            held = held + place[[int(journal[col.CARRIER_X]), int(journal[col.CARRIER_Y])]]
+            carried += 1
+        away = (place[own] - held) / journal[col.JOURNAL_CLEARANCE]
+        np.testing.assert_allclose(away, 0.9 * load / np.hypot(*load), rtol=1e-9)
+    assert carried == (2 if blocks == "free" else 0)
