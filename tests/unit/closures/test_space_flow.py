@@ -12,10 +12,11 @@ import pytest
 
 import toothspace as ts
 from toothspace import api
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.space_flow import pressure_along_space
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.model.path_category import OPENINGS
+from toothspace.model.path_category import INLET_PORT, OPENINGS
 from toothspace.run.run import Run
 from toothspace.solver.flow_regime import along_spaces, pressure_along_spaces
 
@@ -119,3 +120,68 @@ def test_what_one_pressure_cannot_hold_is_said_with_its_number() -> None:
     (finding,) = along_spaces(9e5, 120e5)
     assert "9 bar" in finding.text
     assert "6 bar" in finding.text
+
+
+A_START, FALL, TWIST, RATIO, KAPPA = 30e-6, 8e-6, 0.6, 0.5, 25.0
+"""Section of a space at a quarter of a turn [m2], how much it shrinks with the angle [m2/rad]."""
+
+
+def even_spaces(closed_at: float, fall: float = FALL) -> MachineDescription:
+    """Spaces whose sections shrink evenly, enclosed at one angle only."""
+    width = TWIST / KAPPA
+
+    def area(angle: Array) -> Array:
+        return (A_START - fall * (angle - 0.5 * np.pi))[..., None]
+
+    volume = SimpleNamespace(derivative=lambda angle: np.full((*angle.shape, 1), -fall * width))
+    table = type("Volume", (), {"__call__": lambda _, angle: area(angle) * width})()
+    table.derivative = volume.derivative
+    port = SimpleNamespace(
+        category=INLET_PORT,
+        nodes_a=[0],
+        geometry=lambda angle: 1e-6 * (np.abs(angle - closed_at) > 1e-9)[:, None],
+    )
+    family = SimpleNamespace(angle_ratio=RATIO, volume=table, phases=np.zeros(6))
+    winding = SimpleNamespace(
+        twist=TWIST,
+        turn_per_length=-KAPPA,
+        section=SimpleNamespace(families=[family], paths=[port]),
+    )
+    return cast(MachineDescription, SimpleNamespace(winding=winding))
+
+
+def test_what_a_space_needs_is_looked_for_from_a_quarter_of_a_turn_on() -> None:
+    """A(z) = A0 + (A1 - A0) z/b: the integrals by hand where all is open at later angles."""
+    closed_at = 0.5 * np.pi
+    fluid = cast(FluidLaw, SimpleNamespace(reference_density=DENSITY, dynamic_viscosity=0.3))
+    found = pressure_along_spaces(even_spaces(closed_at), fluid, SPEED)
+    lead = TWIST * RATIO
+    shut = A_START - FALL * (closed_at - 0.5 * np.pi)
+    end, largest = shut + FALL * lead, A_START + FALL * lead
+    growth, passing = FALL * lead / (TWIST / KAPPA), SPEED / KAPPA
+    inertia = np.log(end / shut) - (1.0 - shut / end)
+    inertia *= DENSITY * SPEED * RATIO * passing * FALL / growth
+    bernoulli = 0.5 * DENSITY * (passing * (1.0 - shut / end)) ** 2
+    drag = (1.0 / shut - 1.0 / end) - 0.5 * shut * (1.0 / shut**2 - 1.0 / end**2)
+    drag *= 32.0 * 0.3 * passing * largest / growth
+    assert found == pytest.approx(inertia + bernoulli + drag, rel=2e-3)
+
+
+def test_a_space_below_a_tenth_of_the_largest_section_is_shut() -> None:
+    """What is left at the shut end neither shrinks nor leaves: its section counts as a tenth."""
+    fall = 18e-6
+    fluid = cast(FluidLaw, SimpleNamespace(reference_density=DENSITY, dynamic_viscosity=0.0))
+    found = pressure_along_spaces(even_spaces(np.pi, fall), fluid, SPEED)
+    lead = TWIST * RATIO
+    end, largest = A_START + fall * (lead - 0.5 * np.pi), A_START + fall * lead
+    shut, passing = 0.1 * largest, SPEED / KAPPA
+    growth = fall * lead / (TWIST / KAPPA)
+    inertia = -DENSITY * SPEED * RATIO * passing * fall / growth * (1.0 - shut / end)
+    bernoulli = 0.5 * DENSITY * (passing * (1.0 - shut / end)) ** 2
+    assert found == pytest.approx(max(inertia + bernoulli, 0.0), rel=0.03)
+
+
+def test_pressures_along_spaces_are_told_in_bar() -> None:
+    """A twentieth of 120 bar for each of two slices."""
+    (finding,) = along_spaces(13e5, -120e5, 2)
+    assert (finding.found, finding.allowed) == ("13 bar", "up to 12 bar")

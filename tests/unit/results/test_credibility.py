@@ -17,7 +17,7 @@ from toothspace.core.finding import Finding
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.fluid import highest_pressure
-from toothspace.results.credibility import with_warnings
+from toothspace.results.credibility import temperatures_beyond, temperatures_of, with_warnings
 from toothspace.results.solution import Solution
 from toothspace.run import run as lumped
 
@@ -35,6 +35,8 @@ def test_a_plausible_result_has_no_warning() -> None:
 def test_pressures_beyond_the_fluid_are_told() -> None:
     found = warnings(fake_solution(), 100e5)
     assert "the properties of the fluid are known to 100 bar only" in found
+    highest = float(fake_solution().data["chamber_pressure"].max())
+    assert f"Pressures reach {highest / 1e5:.4g} bar" in found
     assert "give machine.relief_grooves" in found
 
 
@@ -165,6 +167,7 @@ def test_a_blow_is_more_than_half_of_the_largest_force(least: float, count: int)
     told = told_of(name, contact_model="compliant", contact_force=force)
     assert len(told) == count
     assert all((one.found, one.allowed) == ("510 N", "up to 500 N") for one in told)
+    assert all("come from 360 states of a revolution" in one.text + one.advice for one in told)
 
 
 @pytest.mark.parametrize(("depth", "count"), [(0.49e-6, 0), (0.52e-6, 1)])
@@ -191,6 +194,24 @@ def test_a_body_out_of_mesh_is_named_with_half_a_pitch() -> None:
     assert "Driven gear has turned by 20 deg" in told.text
     assert "at a tooth pitch of 30 deg" in told.text
     assert told.allowed == "up to 15 deg"
+
+
+def test_the_place_farthest_out_of_the_range_of_the_fluid_is_named() -> None:
+    """Oil comes with 50 degC, and a film is 80 K warmer."""
+    solution = fake_solution()
+    solution = replace(
+        solution, statistics={**solution.statistics, "lateral_temperature_rise": 80.0}
+    )
+    places = temperatures_of(solution)
+    assert places["lateral film"] == pytest.approx(403.15)
+    assert places["outlet"] == pytest.approx(solution.summary()["outlet_temperature_degC"] + 273.15)
+    (hot,) = temperatures_beyond(solution, 273.15, 353.15)
+    assert (hot.found, hot.allowed) == ("130 °C (lateral film)", "0 to 80 °C")
+    (cold,) = temperatures_beyond(solution, 473.15, 573.15)
+    assert cold.allowed == "200 to 300 °C"
+    coldest = min(places, key=lambda place: places[place])
+    assert cold.found == f"{places[coldest] - 273.15:.4g} °C ({coldest})"
+    assert not list(temperatures_beyond(solution, 273.15, 473.15))
 
 
 @pytest.mark.slow

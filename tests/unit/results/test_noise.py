@@ -11,8 +11,10 @@ import xarray as xr
 from toothspace.closures.sound import (
     AIR_DENSITY,
     SOUND_SPEED,
+    plate_critical_frequency,
     plate_near_field_power,
     plate_point_mobility,
+    plate_radiation_efficiency,
     plate_transfer_ratio,
     sphere_radiation_efficiency,
 )
@@ -97,11 +99,13 @@ def test_spectra_hold_the_power_of_their_signals() -> None:
 
 
 def test_a_hose_leaves_the_force_of_its_port() -> None:
+    """What leaves through the outlet pushes against x, what enters along it."""
     data = run_of_a_rotor()
+    data["inlet_pressure"] = 1e5 + 5e4 * np.cos(12.0 * data["shaft_angle"])
     pipes, hoses = (casing_forces(data, [BODY], WIDTH, d) for d in (0.0, 0.02))
     place = int(np.argmin(np.abs(pipes.order - 12.0)))
     extra = hoses.net[NET_X] - pipes.net[NET_X]
-    assert extra[place] == pytest.approx(-2e5 * np.pi * 0.01**2)
+    assert extra[place] == pytest.approx(-(2e5 - 5e4) * np.pi * 0.01**2)
     assert hoses.net[NET_Y] == pytest.approx(pipes.net[NET_Y])
 
 
@@ -235,3 +239,76 @@ def test_twice_the_force_is_six_decibels() -> None:
     twice = sound_powers(only(50.0, **{n: 2.0 * v for n, v in names.items()}), CASING, PLATE)
     for name in ("motion", "plate"):
         assert twice[name] == pytest.approx(4.0 * once[name])
+
+
+def test_numbers_of_casing_plate_and_orders_by_hand() -> None:
+    casing = Casing(mass=4.0, surface=0.04 * np.pi, stiffness=1e8)
+    assert casing.radius == pytest.approx(0.1)
+    # two halves of 2 kg: sqrt(4 * 1e8 / 4)
+    assert casing.resonance == pytest.approx(1e4)
+    assert PLATE.mass_per_area == pytest.approx(78.5)
+    forces = replace(only(3.0), speed=100.0 * np.pi)
+    assert forces.frequency == pytest.approx([150.0])
+    np.testing.assert_array_equal(orders_up_to(1000.0, SPEED), np.arange(1, 42))
+
+
+def test_the_feet_hold_the_torque_of_a_pump_and_of_a_motor_against_each_other() -> None:
+    pump = run_of_a_rotor()
+    one, other = (
+        casing_forces(data, [BODY], WIDTH).net[NET_MOMENT]
+        for data in (pump, pump.assign_attrs(mode="motor"))
+    )
+    np.testing.assert_array_equal(one, -other)
+
+
+def test_the_last_order_below_ten_kilohertz_band_is_kept() -> None:
+    """A third octave of 10 kHz ends at 11 220 Hz: order 44 of a shaft at 250 rev/s is 11 kHz."""
+    data = run_of_a_rotor()
+    quick = data.assign(shaft_speed=0.0 * data["shaft_speed"] + 500.0 * np.pi)
+    assert casing_forces(quick, [BODY], WIDTH).order[-1] == 44
+
+
+@pytest.mark.parametrize("order", [30.0, 80.0])
+@pytest.mark.parametrize("phase", [1.0, -1.0])
+def test_a_plate_radiates_the_share_of_its_losses_that_is_sound(order: float, phase: float) -> None:
+    """Of two feet in phase and against each other, below the critical frequency and above."""
+    bending, mass = PLATE.bending_stiffness, PLATE.mass_per_area
+    omega = order * SPEED
+    wave_number = np.array([np.sqrt(omega) * (mass / bending) ** 0.25])
+    ratio = float(plate_transfer_ratio(wave_number, PLATE.foot_distance).real[0])
+    brought = 3.0**2 * plate_point_mobility(bending, mass) * (1.0 + phase * ratio)
+    critical = plate_critical_frequency(bending, mass)
+    frequency = omega / (2.0 * np.pi)
+    sigma = float(plate_radiation_efficiency(np.array([frequency]), critical, 0.8, 0.6)[0])
+    sound = AIR_DENSITY * SOUND_SPEED * sigma / (omega * 78.5)
+    near = float(plate_near_field_power(3.0**2, mass)) if frequency < critical else 0.0
+    net = {NET_Y: 6.0} if phase > 0.0 else {NET_MOMENT: 3.0 * PLATE.foot_distance}
+    found = sound_powers(only(order, **net), replace(CASING, mass=1e-9), PLATE)["plate"]
+    assert found == pytest.approx(brought * sound / (0.02 + sound) + near, rel=1e-6)
+
+
+@pytest.mark.parametrize("phase", [1.0, -1.0])
+def test_mounts_and_plate_give_way_one_behind_the_other(phase: float) -> None:
+    """F = F_blocked / (1 + j omega m Y), v = F Y, Y = Y_0 (1 + phase v(d)/v(0)) + j omega / k.
+
+    The mass that each force moves is half of the machine, or its inertia over (d/sqrt 2)^2.
+    """
+    order, stiffness = 30.0, 2e7
+    omega = order * SPEED
+    bending, area = PLATE.bending_stiffness, PLATE.mass_per_area
+    wave_number = np.array([np.sqrt(omega) * (area / bending) ** 0.25])
+    ratio = complex(plate_transfer_ratio(wave_number, PLATE.foot_distance)[0])
+    spring = stiffness * (1.0 + 0.1j)
+    mobility = plate_point_mobility(bending, area) * (1.0 + phase * ratio) + 1j * omega / spring
+    inertia = CASING.mass * (0.4 * CASING.radius**2 + PLATE.shaft_height**2)
+    moved = 0.5 * CASING.mass if phase > 0.0 else 2.0 * inertia / PLATE.foot_distance**2
+    velocity = 4.0 / (1.0 + 1j * omega * moved * mobility) * mobility
+    if phase < 0.0:
+        # the feet go up and down against each other and the shaft swings above them
+        velocity *= 2.0 * PLATE.shaft_height / PLATE.foot_distance
+    net = {NET_Y: 8.0} if phase > 0.0 else {NET_MOMENT: 4.0 * PLATE.foot_distance}
+    mounted = replace(PLATE, mount_stiffness=stiffness)
+    found = sound_powers(only(order, **net), CASING, mounted)["motion"]
+    free = sound_powers(only(order, **{NET_Y: 5.0}), CASING, None)["motion"]
+    expected = free * (abs(velocity) / (5.0 / (omega * CASING.mass))) ** 2
+    assert found == pytest.approx(expected, rel=1e-9)

@@ -6,6 +6,7 @@ import xarray as xr
 
 from toothspace.results.ripple import (
     distinct_samples,
+    flow_ripple_percent,
     harmonics,
     high_pass,
     low_pass,
@@ -14,6 +15,8 @@ from toothspace.results.ripple import (
     resolved_spectrum,
     ripple_percent,
     spectrum,
+    torque_ripple_percent,
+    whole_revolutions,
 )
 
 TURN = 2.0 * np.pi
@@ -41,7 +44,7 @@ def test_surplus_samples_are_cut_to_whole_revolutions() -> None:
 
 def test_less_than_a_revolution_is_refused() -> None:
     angle = np.linspace(0.0, 3.0, 100)
-    with pytest.raises(ValueError, match="at least 1"):
+    with pytest.raises(ValueError, match=r"samples span 0.477 revolutions, at least 1"):
         spectrum(angle, angle)
 
 
@@ -117,3 +120,82 @@ def test_source_is_found_from_loads_of_known_impedance() -> None:
     assert source.misfit == pytest.approx(0.0, abs=1e-9)
     assert source.blocked_pressure == pytest.approx(flow * inner, rel=1e-9)
     assert abs(source.pressure_into(1e30)) == pytest.approx(abs(flow * inner), rel=1e-6)
+
+
+@pytest.mark.parametrize("revolutions", [1, 2])
+@pytest.mark.parametrize("end_point", [False, True])
+def test_whole_revolutions_keep_their_own_samples(end_point: bool, revolutions: int) -> None:
+    angle = 1.3 + np.linspace(0.0, revolutions * TURN, 72 * revolutions + 1)
+    given = angle if end_point else angle[:-1]
+    uniform, values, count = whole_revolutions(given, np.arange(given.size))
+    assert count == revolutions
+    assert uniform == pytest.approx(angle[:-1])
+    assert values == pytest.approx(np.arange(72 * revolutions), abs=1e-9)
+
+
+def test_the_last_of_one_and_a_half_revolutions_is_taken() -> None:
+    angle = np.arange(109) * TURN / 72.0
+    uniform, values, count = whole_revolutions(angle, angle)
+    assert count == 1
+    assert uniform == pytest.approx(angle[36:108])
+    assert values == pytest.approx(uniform)
+
+
+@pytest.mark.parametrize(("amplitude", "count"), [(0.038, 0), (0.042, 1)])
+def test_a_spectrum_begins_at_two_ten_thousandths_of_the_mean(amplitude: float, count: int) -> None:
+    angle = np.arange(720) * TURN / 720.0
+    found = resolved_spectrum(angle, amplitude * np.cos(12.0 * angle) - 200.0)
+    assert found.order.size == count
+
+
+def test_samples_between_whole_revolutions_are_all_distinct() -> None:
+    for turns, left in ((2.0, 24), (1.3, 25), (0.5, 25), (2.0 + 1e-4, 25)):
+        angle = 1.7 + np.linspace(0.0, turns * TURN, 25)
+        data = xr.Dataset(coords={"shaft_angle": angle})
+        assert distinct_samples(data).sizes["shaft_angle"] == left
+
+
+def test_ripples_are_those_of_the_closest_samples() -> None:
+    """Samples 9 to 11, between them 8 to 12; the state that closes a turn counts once."""
+    data = xr.Dataset(
+        {
+            "outlet_flow_rate": ("shaft_angle", [9.0, 11.0]),
+            "shaft_torque": ("shaft_angle", [-9.0, -11.0]),
+        },
+        coords={"shaft_angle": [0.0, 3.0]},
+        attrs={"mode": "pump"},
+    )
+    assert flow_ripple_percent(data) == pytest.approx(20.0)
+    assert torque_ripple_percent(data) == pytest.approx(20.0)
+    close = data.assign(
+        dense_angle=("dense", [0.0, 1.0, 2.0, 3.0]),
+        dense_outlet_flow_rate=("dense", [8.0, 12.0, 10.0, 8.0]),
+        outlet_flow_rate_minimum=8.0,
+        outlet_flow_rate_maximum=12.0,
+    )
+    assert flow_ripple_percent(close) == pytest.approx(40.0)
+    still = data.assign(outlet_flow_rate=0.0 * data["outlet_flow_rate"])
+    assert np.isnan(flow_ripple_percent(still))
+    assert np.isnan(ripple_percent(np.zeros(3)))
+
+
+def test_what_loads_leave_unexplained_is_told_over_the_source_flow() -> None:
+    """Q = 4 - P/5, and 0.1, -0.2, 0.1 that no line through three loads explains."""
+    pressure = np.array([[1.0], [2.0], [3.0]], dtype=complex)
+    flow = 4.0 - pressure / 5.0 + np.array([[0.1], [-0.2], [0.1]])
+    source = pulsation_source(pressure, flow)
+    assert source.flow == pytest.approx([4.0])
+    assert source.impedance == pytest.approx([5.0])
+    assert source.misfit == pytest.approx([0.1 * np.sqrt(2.0) / 4.0])
+    assert source.pressure_into(20.0) == pytest.approx([16.0])
+    stiff = pulsation_source(pressure, 0.0 * flow)
+    assert np.isinf(stiff.impedance[0]) or abs(stiff.impedance[0]) > 1e12
+
+
+def test_bands_count_orders_of_the_shaft_whatever_the_revolutions() -> None:
+    angle = np.linspace(0.0, 2.0 * TURN, 1441)
+    signal = 3.0 + np.cos(5.0 * angle) + 0.2 * np.cos(12.0 * angle)
+    uniform, quick = high_pass(angle, signal, 8.0)
+    assert quick == pytest.approx(0.2 * np.cos(12.0 * uniform), abs=1e-3)
+    uniform, slow = low_pass(angle, signal, 8.0)
+    assert slow == pytest.approx(3.0 + np.cos(5.0 * uniform), abs=1e-3)

@@ -155,3 +155,18 @@ def test_it_keeps_the_rules_of_asset_administration_shells(tmp_path: Path, clien
 def test_what_no_case_knows_must_be_given(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match=r"--article: found nothing, allowed a text"):
         write_technical_data(fake_solution(36), tmp_path / "pump.json", "ACME", " ")
+
+
+def test_energy_of_an_electric_drive_is_in_kilowatt_hours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """7.2 MJ are 2 kWh; without a drive nothing is said."""
+    assert "OverallSystem" not in elements(
+        elements(written(tmp_path, pump(), "Example Machines")["submodels"][1])["SizingResult"]
+    )
+    summary = pump().summary() | {"electric_energy_J": 7.2e6}
+    monkeypatch.setattr(Solution, "summary", lambda _: summary)
+    sizing = written(tmp_path, pump(), "Example Machines")["submodels"][1]
+    system = elements(elements(sizing)["SizingResult"])["OverallSystem"]
+    energy = elements(system)["EnergyConsumtionPerCycle"]
+    assert float(energy["value"]) == pytest.approx(2.0)

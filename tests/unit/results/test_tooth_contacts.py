@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
 import toothspace as ts
 from toothspace.core.errors import ToothspaceError
+from toothspace.core.types import Array, ComplexArray
 from toothspace.results.tooth_contacts import (
     ToothContacts,
     contact_azimuth,
@@ -90,3 +94,31 @@ def test_a_contact_loads_the_tooth_that_stands_there() -> None:
             column += 1
     assert np.allclose(np.diff(np.sort(place, axis=1), axis=1), 2.0 * np.pi / teeth)
     assert place[0, 0] == pytest.approx(np.mod(ratio * angle[0], 2.0 * np.pi))
+
+
+def test_a_contact_is_where_its_lever_and_its_normal_say() -> None:
+    """r = a n - l t with a = r n and l = (r x n)_z: a point and a normal that go round by hand."""
+    angle = np.linspace(0.0, 6.0, 25)
+    ratio, phase = -0.75, 0.4
+
+    def place(own: Array) -> ComplexArray:
+        return 20e-3 * np.exp(1j * (0.7 + own))
+
+    def normal(own: Array) -> ComplexArray:
+        return np.exp(1j * (1.9 + 0.6 * own))
+
+    def gap(own: Array) -> Array:
+        n, r = normal(own), place(own)
+        return np.stack([n.real, n.imag, (r.conj() * n).imag], axis=-1)
+
+    def slip(own: Array) -> Array:
+        along = (place(own).conj() * normal(own)).real
+        return np.stack([0.0 * along, 0.0 * along, along], axis=-1)
+
+    pair = SimpleNamespace(body_b="ring", angle_ratio=ratio, gap_by_motion=gap, slip_by_motion=slip)
+    axes = ["x", "y", "rotation"]
+    machine = SimpleNamespace(motion_index=lambda _, axis: axes.index(axis))
+    found = contact_azimuth(cast(Any, machine), cast(Any, pair), angle, phase)
+    # from the y axis
+    expected = 0.7 + phase + ratio * angle - 0.5 * np.pi
+    np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * expected), rtol=1e-9)

@@ -15,9 +15,11 @@ from toothspace import api
 from toothspace.closures.line_friction import CRITICAL_REYNOLDS
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.model.assembly import System, assemble
-from toothspace.model.description import LumpedJournalBearing, MachineDescription
+from toothspace.model.description import FlowPath, LumpedJournalBearing, MachineDescription
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.path_category import INLET_PORT, PathCategory
+from toothspace.numerics.periodic_table import monotone_table
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.flow_regime import (
     _bearings,
@@ -108,6 +110,46 @@ def test_taylor_number_of_every_journal_by_hand() -> None:
     found = dict(_bearings(system, 100.0))
     assert found["rotor"] == pytest.approx(per_speed * 1.0 * 5e-5 * (5e-5 / 0.01) ** 0.5)
     assert found["idle gear"] == pytest.approx(0.5 * per_speed * 1.0 * 8e-5 * (8e-5 / 0.02) ** 0.5)
+
+
+OIL = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
+
+
+def test_a_gap_is_read_where_it_stands_and_with_the_oil_in_it() -> None:
+    """Its own flow over the width at its angle, of all paths in parallel; what is shut is still."""
+    nodes = 2.0 * np.pi * np.arange(720) / 720
+    channels = np.zeros((720, 3))
+    channels[:, 1] = 10e-3 * np.maximum(1.0 + 2.0 * np.cos(nodes), 0.0)
+    table = monotone_table(2.0 * np.pi, channels)
+    port = FlowPath(
+        "port", INLET_PORT, "orifice", np.zeros(2, int), np.ones(2, int), 1.0, np.zeros(2), table
+    )
+    tip = PathCategory("tip", "tooth tips", "#000000", "gap")
+    gap = FlowPath(
+        "tips",
+        tip,
+        "parallel_gap",
+        np.array([0, 1, 1]),
+        np.array([2, 2, 2]),
+        2.0,
+        np.array([0.3, 1.1, np.pi - 0.8]),
+        table,
+        multiplicity=2.0,
+        viscosity_ratio=3.0,
+    )
+    description = SimpleNamespace(laterals=(), paths=(gap, port))
+    system = SimpleNamespace(description=description, arrays=SimpleNamespace(fluid=OIL))
+    pressure = np.array([[1e5, 400e5, 100e5]])
+    states = np.array([[0.4, 150.0]])
+    # paths in the order of compiled code, orifices last; the last gap is shut
+    flow, partner = np.zeros((1, 5)), np.full((1, 5), 2)
+    flow[0] = (1e-4, -3e-3, 9.0, 9.0, 9.0)
+    seen = SimpleNamespace(pressure=pressure, path_flow=flow, path_partner=partner)
+    (found,) = _gaps(cast(Any, system), states, cast(Any, seen), slice(None))
+    width = 2.0 * 10e-3 * (1.0 + 2.0 * np.cos(1.1 + 2.0 * 0.4))
+    thick, thin = (float(dynamic_viscosity(p, OIL)) for p in (400e5, 100e5))
+    expected = 2.0 * 3e-3 / (width * 3.0 * np.sqrt(thick * thin))
+    assert found == ("tooth tips", pytest.approx(expected, rel=1e-3))
 
 
 @pytest.mark.slow
