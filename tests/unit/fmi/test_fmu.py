@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import struct
 import subprocess
 import zipfile
 from collections.abc import Callable, Mapping
@@ -23,7 +24,7 @@ from tests.study_cases import REPOSITORY, case_with_study
 from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.core.types import Array
-from toothspace.fmi import archive, export, machine_file
+from toothspace.fmi import archive, export
 from toothspace.fmi.operating_tables import PULSATING, ShaftSamples, tables_of
 from toothspace.studies.study import Record
 
@@ -75,7 +76,7 @@ class Samples:
     label = "made-up samples"
 
     def __init__(self) -> None:
-        self.count, self.ripple = 0, 1.0
+        self.count, self.ripple, self.uneven = 0, 1.0, 0.0
         self.fails: Callable[[float], bool] = lambda _: False
 
     def __call__(self, case: Case) -> Mapping[str, Any]:
@@ -89,6 +90,8 @@ class Samples:
             return {"status": "not_cyclic"}
         angle = np.arange(STEPS) * (2.0 * np.pi / STEPS)
         ripple = waves(at.shaft_speed, difference, angle)
+        once = self.uneven * np.sin(angle)
+        ripple = {name: one + once * one.max() for name, one in ripple.items()}
         return {
             **machine(at.shaft_speed, difference, sign),
             **{f"{name}_ripple": (self.ripple * one).tolist() for name, one in ripple.items()},
@@ -376,6 +379,29 @@ def test_the_grid_may_be_that_of_an_efficiency_map(samples: Samples, tmp_path: P
     assert samples.count == 6 + 20
 
 
+def test_numbers_of_a_unit_are_those_of_its_tables(samples: Samples, tmp_path: Path) -> None:
+    """Teeth that differ by a twentieth of their ripple count as one, which is told."""
+    samples.uneven = 0.05
+    summary = ts.export_fmu(PUMP, tmp_path / "unit.fmu", **GRID, binary=False).summary()
+    assert summary["ripple_left_out_percent"] == pytest.approx(5.0, rel=0.01)
+    assert summary["ripple_period_deg"] == pytest.approx(30.0)
+    assert summary["ripple_samples"] == STEPS / 12
+    volume = 2e6 * math.pi * DISPLACEMENT
+    assert summary["displacement_cm3_per_rev"] == pytest.approx(volume)
+    assert summary["energy_balance_error"] == 1e-7
+    assert summary["binary"] == ""
+
+
+@pytest.mark.parametrize(
+    ("system", "folder"), [("linux", "linux"), ("win32", "win"), ("darwin", "darwin")]
+)
+def test_binaries_are_in_the_folder_of_their_platform(
+    monkeypatch: pytest.MonkeyPatch, system: str, folder: str
+) -> None:
+    monkeypatch.setattr("sys.platform", system)
+    assert archive.platform_folder()[0] == f"{folder}{8 * struct.calcsize('P')}"
+
+
 def test_failed_points_end_without_a_unit_and_are_made_up_for(
     samples: Samples, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -492,6 +518,8 @@ def test_teeth_that_differ_are_tabulated_one_by_one() -> None:
         tables = tables_of([Record("", "done", found)] * 4, [1.0, 2.0], [1.0, 2.0], 12)
         count = STEPS // (12 if float(tables["period"]) < 1.0 else 1)
         assert tables.sizes["shaft_angle"] == count
+        angles = np.arange(count) * float(tables["period"]) / count
+        np.testing.assert_allclose(tables["shaft_angle"], angles, atol=1e-12)
         wave = tables[f"{PULSATING[0]}_ripple"].values[0, 0]
         np.testing.assert_allclose(wave, even[:count] if count < STEPS else ripple, atol=1e-12)
         return float(tables["period"]), float(tables["ripple_left_out"])
@@ -547,14 +575,15 @@ def test_one_of_a_unit_for_display_is_so_many_si_units(si: str, shown: str, one:
     assert archive.unit_attributes(si) == {"unit": si, "displayUnit": shown}
 
 
-def test_shafts_of_both_units_begin_with_the_same_small_inertia() -> None:
-    """That of a disc of 0.8 kg, 100 mm across."""
+def test_a_free_shaft_starts_at_rest_with_an_inertia() -> None:
+    """Of a thousandth of a kg m2, as a whole machine has: none would be refused."""
     tables = xr.Dataset(
-        {"low_pressure": 1e5},
+        {"low_pressure": 2e5},
         coords={"pressure_difference": [1e6, 3e7], "shaft_speed": [50.0, 150.0]},
         attrs={"mode": "motor", "drain": "external"},
     )
     found = {v.name: v for v in archive.fmu_variables(tables, free_shaft=True)}
-    assert found["shaft_inertia"].start == machine_file._SHAFT_INERTIA
-    assert found["shaft_inertia"].start == pytest.approx(0.5 * 0.8 * 0.05**2)
-    assert found["shaft_inertia"].causality == "parameter"
+    starts = {name: found[name].start for name in found if found[name].causality == "parameter"}
+    assert starts == {"shaft_angle_start": 0.0, "shaft_inertia": 1e-3, "shaft_speed_start": 0.0}
+    assert found["shaft_speed"].causality == "output"
+    assert found["load_torque"].causality == "input"

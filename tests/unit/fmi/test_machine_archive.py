@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 import io
+import re
 import subprocess
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
-from tests.unit.fmi.test_machine_file import cylinders
 from toothspace import api
-from toothspace.core.compilation.library import Way, chosen
+from toothspace.core.compilation.library import FOLDER, MODEL, UNIT, UNIT_SOURCES, Way, chosen
 from toothspace.core.errors import CaseError
-from toothspace.fmi.archive import found_compiler
-from toothspace.fmi.machine_file import MachineFile, _file
+from toothspace.fmi import machine_unit as units
+from toothspace.fmi.archive import found_compiler, platform_folder
+from toothspace.fmi.machine_file import (
+    FLOW,
+    INERTIA,
+    NUMBER,
+    PORT_FLOW,
+    PORT_PRESSURE,
+    SHAFT_SPEED,
+    MachineFile,
+    MachineVariable,
+)
 from toothspace.fmi.machine_unit import export_machine, machine_unit
-from toothspace.solver.initial import start_state
+from toothspace.results.variables import VARIABLES
 
 PUMP = Path(__file__).resolve().parents[3] / "cases" / "egm12_pump.toml"
 HOST = Path(__file__).parent / "data" / "fmu_host.c"
@@ -88,31 +99,116 @@ def test_what_cannot_be_is_refused() -> None:
         machine_unit(case, flows=("drain",))
 
 
-@pytest.mark.parametrize(("fmi", "described"), [("2", "ScalarVariable"), ("3", "Float64")])
-def test_what_a_unit_says_of_its_variables(
-    fmi: str, described: str, monkeypatch: pytest.MonkeyPatch
+MADE_UP = MachineFile(
+    b"what the library reads",
+    (
+        MachineVariable("inlet_pressure", "Pa", PORT_PRESSURE, 2e5, 0),
+        MachineVariable("outlet_flow_rate", "m3/s", PORT_FLOW, 3e-4, 8),
+        MachineVariable("shaft_speed", "rad/s", SHAFT_SPEED, 150.0, 16),
+        MachineVariable("shaft_inertia", "kg m2", INERTIA, 1e-3, 24),
+        MachineVariable("inlet_flow_rate", "m3/s", FLOW, 0.0, 32),
+        MachineVariable("outlet_pressure", "Pa", NUMBER, 1e7, 40),
+        MachineVariable("shaft_torque", "N m", NUMBER, 0.0, 48),
+        MachineVariable("chamber_pressure[drive_gear_3]", "Pa", NUMBER, 0.0, 56),
+        MachineVariable("position[driven_gear x]", "m", NUMBER, 0.0, 64),
+        MachineVariable("position[driven_gear rotation]", "rad", NUMBER, 0.0, 72),
+    ),
+    "A made-up pump",
+)
+"""A file with a variable of each kind."""
+
+
+@pytest.fixture
+def archive_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, bytes]]:
+    """Writes units of made-up machines and gives their files."""
+
+    def written(machine: MachineFile = MADE_UP, fmi: str = "2") -> dict[str, bytes]:
+        monkeypatch.setattr(units, "machine_file", lambda *_, **__: machine)
+        packed = zipfile.ZipFile(io.BytesIO(machine_unit(api.load_case(PUMP), fmi=fmi)))
+        return {name: packed.read(name) for name in packed.namelist()}
+
+    return written
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_a_unit_is_the_library_with_a_machine_as_its_resource(
+    archive_of: Callable[..., dict[str, bytes]], fmi: str
 ) -> None:
-    """In the description and on its page: which are means, and how the speed gets to its value."""
-    system = cylinders()
-    content, variables = _file(system, start_state(system), "0123456789abcdef")
-    monkeypatch.setattr(
-        "toothspace.fmi.machine_unit.machine_file",
-        lambda *_, **__: MachineFile(content, variables, "Six cylinders"),
+    found = archive_of(fmi=fmi)
+    assert found["resources/model.machine"] == MADE_UP.content
+    folder, ending = platform_folder()
+    (binary,) = (name for name in found if name.startswith("binaries/"))
+    assert binary.endswith(f"/egm12_pump{ending}")
+    assert binary.split("/")[1] == folder or fmi == "3"
+    assert found[binary] == (FOLDER / UNIT).read_bytes()
+    other = f"fmi{5 - int(fmi)}.c"
+    for name in {*UNIT_SOURCES, MODEL} - {other}:
+        assert found[f"sources/{name}"] == (FOLDER / name).read_bytes()
+    assert f"sources/{other}" not in found
+    page = found["documentation/index.html"].decode()
+    assert page.startswith("<!DOCTYPE html>\n<html")
+    assert f"-o egm12_pump{ending}</pre>" in page
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_a_token_is_of_a_machine_and_its_words(
+    archive_of: Callable[..., dict[str, bytes]], fmi: str
+) -> None:
+    """The same machine has the same token; another content, or another title, another one."""
+    first, again, content, title = (
+        archive_of(machine, fmi)
+        for machine in (
+            MADE_UP,
+            MADE_UP,
+            replace(MADE_UP, content=b"what it reads of another one"),
+            replace(MADE_UP, title="Another pump"),
+        )
     )
-    with zipfile.ZipFile(io.BytesIO(machine_unit(api.load_case(PUMP), fmi=fmi))) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-        page = archive.read("documentation/index.html").decode()
-        binaries = [name for name in archive.namelist() if name.startswith("binaries/")]
-        assert archive.read("resources/model.machine") == content
-    said = {str(one.get("name")): str(one.get("description")) for one in root.iter(described)}
-    said.pop("time", None)
-    assert set(said) == {one.name for one in variables}
-    assert [name for name, text in said.items() if text.endswith("mean over the last step")] == [
-        "inlet_flow_rate",
-        "outlet_flow_rate",
-    ]
-    assert said["shaft_speed"].endswith("reached along a straight line at the end of a step")
-    assert page.startswith("<!DOCTYPE html>")
-    assert all(f"<td>{name}</td>" in page for name in said)
-    (binary,) = binaries
-    assert binary.rpartition("/")[2] in page
+    tokens = [one["resources/token.txt"].decode() for one in (first, again, content, title)]
+    assert tokens[0] == tokens[1]
+    assert len(set(tokens)) == 3
+    name = "guid" if fmi == "2" else "instantiationToken"
+    for one, token in zip((first, content), (tokens[0], tokens[2]), strict=True):
+        assert ElementTree.fromstring(one["modelDescription.xml"]).get(name) == token
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_variables_of_a_unit_say_what_they_are(
+    archive_of: Callable[..., dict[str, bytes]], fmi: str
+) -> None:
+    found = archive_of(fmi=fmi)
+    root = ElementTree.fromstring(found["modelDescription.xml"])
+    entries = {
+        one.get("name"): one for one in root.iter("ScalarVariable" if fmi == "2" else "Float64")
+    }
+    causality = {name: one.get("causality") for name, one in entries.items() if name != "time"}
+    assert causality == {
+        "inlet_pressure": "input",
+        "outlet_flow_rate": "input",
+        "shaft_speed": "input",
+        "shaft_inertia": "parameter",
+        "inlet_flow_rate": "output",
+        "outlet_pressure": "output",
+        "shaft_torque": "output",
+        "chamber_pressure[drive_gear_3]": "local",
+        "position[driven_gear x]": "local",
+        "position[driven_gear rotation]": "local",
+    }
+    words = {name: one.get("description") for name, one in entries.items()}
+    known = {name: VARIABLES[name].long_name for name in causality if name in VARIABLES}
+    assert words["inlet_pressure"] == known["inlet_pressure"]
+    # a mean is what an output is, and a speed is led to what is given
+    assert words["outlet_flow_rate"] == known["outlet_flow_rate"]
+    assert words["inlet_flow_rate"] == f"{known['inlet_flow_rate']}, mean over the last step"
+    assert words["shaft_speed"].startswith(f"{known['shaft_speed']}, reached along a straight line")
+    assert "drive_gear_3" in words["chamber_pressure[drive_gear_3]"]
+    assert words["position[driven_gear x]"].startswith("Displacement in x of the body driven_gear")
+    assert words["position[driven_gear rotation]"].startswith("Rotation ahead of the body driven")
+    page = re.sub(r"\s+", " ", found["documentation/index.html"].decode())
+    for name, one in causality.items():
+        assert f"<td>{name}</td>" in page
+        assert f"<td>{one}</td> <td>{words[name]}</td>" in page
+    for one in MADE_UP.variables:
+        entry = entries[one.name] if fmi == "3" else entries[one.name].find("Real")
+        assert entry.get("unit") == one.unit.replace(" ", ".")
+        assert entry.get("start") == (repr(one.start) if one.is_input else None)
