@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from toothspace import api
+from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
+from toothspace.core.types import Array
 from toothspace.model import arrays as col
+from toothspace.model.fluid import GasModel, fluid_law
+from toothspace.model.path_category import INLET_PORT, LATERAL, PathCategory
 from toothspace.results.performance import LABELS, leakages_of, means_by_label, parts_of
 from toothspace.results.solution import Solution
-from toothspace.solver import outcome
+from toothspace.solver import lost_flow, outcome
 from toothspace.solver.lost_flow import (
     Look,
     chamber_leakage,
@@ -203,3 +209,160 @@ def test_exchange_in_the_mesh_is_that_of_the_flows_of_the_paths(
     theoretical = float(solution.data["displacement"]) * speed
     # trapezoids over 2880 states of flows with narrow peaks
     assert exchange == pytest.approx(parts["mesh_exchange_flow"], abs=1e-4 * theoretical)
+
+
+LAW = fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08))
+GAP = PathCategory("gap", "gaps", "#000000", "gap")
+KINDS = (GAP, INLET_PORT, LATERAL)
+
+
+def made_up(
+    pressure: Array, openings: Array | None = None, mode: str = "pump", **seen: Array
+) -> Look:
+    """States of three chambers between an inlet, an outlet and a drain, with what is seen there."""
+    samples = len(pressure)
+    index = np.zeros((4, 2 + max(col.NODE_A, col.CATEGORY)), int)
+    # a gap from the first chamber to the next and back, a face to the drain, and a port
+    index[:, col.NODE_A] = [0, 1, 2, 0]
+    index[:, col.CATEGORY] = [0, 0, 2, 1]
+    size = SimpleNamespace(chambers=3, nodes=6, mass=2, gas=4)
+    arrays = SimpleNamespace(
+        size=size,
+        path_index=index,
+        fluid=LAW,
+        # volumes of the ports hold fluid of their own
+        dynamic_index=np.array([-1, -1, -1, 0, 1, -1]),
+    )
+    description = SimpleNamespace(inlet_node=3, outlet_node=4, drain_node=5, mode=mode)
+    system = SimpleNamespace(arrays=arrays, description=description, categories=KINDS)
+    states = np.zeros((samples, 6))
+    states[:, 1] = 100.0
+    times = 2e-3 * np.arange(samples)
+    history = SimpleNamespace(system=system, states=states, times=times)
+    nothing = np.zeros((samples, 4))
+    looked = {
+        "pressure": pressure,
+        "density": np.full_like(pressure, 800.0),
+        "path_partner": np.tile([1, 0, 5, 4], (samples, 1)),
+        "path_flow": nothing,
+        "path_drag": nothing,
+        "path_carried": nothing,
+    }
+    closed = np.zeros((samples, 3, 5))
+    return Look(
+        cast(Any, history),
+        cast(Any, SimpleNamespace(**(looked | seen))),
+        closed if openings is None else openings,
+        np.zeros((samples, 4), dtype=bool),
+    )
+
+
+LEVELS = np.array([[6e5, 6e5, 6e5, 1e5, 11e5, 1e5]])
+"""Chambers half way from 1 to 11 bar."""
+
+
+@pytest.mark.parametrize("mode", ["pump", "motor"])
+def test_a_chamber_stands_where_its_pressure_or_its_port_says(mode: str) -> None:
+    high, low = (1, 0) if mode == "pump" else (0, 1)
+    pressure = LEVELS if mode == "pump" else LEVELS[:, [0, 1, 2, 4, 3, 5]]
+    opened = np.zeros((1, 3, 5))
+    opened[0, 1, high], opened[0, 2, low] = 1e-9, 1e-9
+    found = shares(made_up(pressure, opened, mode))
+    ports = [0.0, 1.0] if mode == "pump" else [1.0, 0.0]
+    assert found[0].tolist() == [0.5, 1.0, 0.0, *ports, 0.0]
+    both = np.zeros((1, 3, 5))
+    both[..., :2] = 1e-9
+    beyond = pressure * [[1.0, 3.0, 0.01, 1.0, 1.0, 1.0]]
+    for openings in (both, None):
+        found = shares(made_up(beyond, openings, mode))
+        assert found[0, :3].tolist() == [0.5, 1.0, 0.0]
+    level = shares(made_up(np.full((1, 6), 1e5), None, mode))
+    assert level[0, :3].tolist() == [0.5, 0.5, 0.5]
+
+
+def test_flows_count_with_what_they_fall_and_by_what_drives_them() -> None:
+    """At 100 rad/s and 800 kg/m3 a drag of 1 cm3/rad carries 80 g/s with it."""
+    share = np.array([[0.75, 0.25, 0.5, 0.0, 1.0, 0.0]])
+    density = np.full((1, 6), 800.0)
+    density[0, 1] = 700.0
+    look = made_up(
+        LEVELS,
+        density=density,
+        path_flow=np.array([[0.1, -0.2, 0.3, 0.4]]),
+        path_drag=np.array([[1e-6, 2e-6, 0.0, 0.0]]),
+        path_carried=np.array([[0.25e-6, 0.5e-6, 0.0, 0.0]]),
+    )
+    pressure, drag = path_leakage(look, share)
+    # from the first to the second, which falls by a half; back it comes from the first again
+    forward, back = 0.5 * (0.1 - 0.08), -0.5 * (-0.2 - 0.16)
+    assert pressure[0] == pytest.approx([forward + back, 0.0, 0.5 * 0.3])
+    assert drag[0] == pytest.approx([0.5 * 0.06 - 0.5 * 0.12, 0.0, 0.0])
+    trapped = replace(look, trapped=np.array([[False, True, False, False]]))
+    assert path_leakage(trapped, share)[0][0, 0] == pytest.approx(forward)
+
+
+def test_samples_and_chambers_keep_their_own_leakage(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over two samples; a chamber loses what leaves it, at the density of the inlet."""
+    density = np.full((2, 6), 800.0)
+    density[:, 3] = [850.0, 840.0]
+    flow = np.array([[0.1, 0.0, 0.3, 0.0], [0.0, 0.2, 0.5, 0.0]])
+    look = made_up(np.tile(LEVELS, (2, 1)), density=density, path_flow=flow)
+    share = np.tile([[0.75, 0.25, 0.5, 0.0, 1.0, 0.0]], (2, 1))
+    pressure, _ = path_leakage(look, share)
+    assert pressure == pytest.approx(np.array([[0.05, 0.0, 0.15], [-0.1, 0.0, 0.25]]))
+    monkeypatch.setattr(lost_flow, "look_at", lambda _: look)
+    monkeypatch.setattr(lost_flow, "shares", lambda _: share)
+    found = chamber_leakage(look.history)
+    expected = np.array([[0.05, 0.0, 0.15], [0.0, -0.1, 0.25]]) / density[:, [3]]
+    assert found == pytest.approx(expected)
+
+
+def test_trapped_fluid_throttles_in_every_part_alike() -> None:
+    """100 and 200 W in the mesh over 2 ms are 0.3 J, in four parts of a turn 1.2 J."""
+    look = made_up(np.tile(LEVELS, (2, 1)), path_loss=np.array([[100.0] * 4, [200.0] * 4]))
+    mesh = PathCategory("flank", "flanks", "#000000", "mesh")
+    look.history.system.categories = (mesh, INLET_PORT, LATERAL)
+    trapped = np.zeros((2, 4), dtype=bool)
+    trapped[:, 0] = trapped[:, 2] = True
+    losses = replace(look, trapped=trapped, copies=4).trapped_losses()
+    assert losses == pytest.approx({f"trapped_{mesh.account}": 1.2, "trapped_volume": 1.2})
+
+
+def test_what_chambers_and_ports_take_up_is_lost_by_hand() -> None:
+    """Two samples 2 ms apart: leakage, compression, gas, ports; timing is what remains."""
+    pressure = np.array([[1e5, 6e5, 11e5, 1e5, 11e5, 1e5], [6e5, 6e5, 1e5, 1e5, 11e5, 1e5]])
+    gas = np.full((2, 6), LAW.feed_gas_mass_fraction)
+    free = np.where(np.arange(6) == 0, np.array([[1.0], [3.0]]), 1.0) * 0.25 * gas
+    density = mixture_density(pressure, free, LAW)
+    density[1, 1] *= 0.9  # that chamber holds vapour
+    volume = np.tile([[2e-6, 1e-6, 3e-6, 0.0, 0.0, 0.0]], (2, 1))
+    volume[1, 1] = 1.5e-6
+    flow = np.tile([[0.1, 0.0, 0.3, 0.0]], (2, 1))
+    look = made_up(pressure, path_flow=flow, gas=free, density=density, volume=volume)
+    look.history.states[:, 2:4] = [[0.5, 0.7], [0.9, 0.8]]
+    fed = float(mixture_density(1e5, LAW.feed_gas_mass_fraction, LAW))
+    share = np.array([[0.0, 0.5, 1.0], [0.5, 0.5, 0.0]])
+    inside = slice(0, 3)
+    own = pressure[:, inside], free[:, inside], LAW
+    alpha = gas_volume_fraction(*own) + vapour_fraction(1.0 / density[:, inside], *own)
+    assert alpha[1, 1] > 0.09
+    liquid = density[:, inside] / (1.0 - alpha)
+    inlet = float(gas_volume_fraction(1e5, LAW.feed_gas_mass_fraction, LAW))
+    displaced = (alpha - inlet) * liquid * volume[:, inside]
+    stored = (density[:, inside] - fed) * volume[:, inside]
+    between = share.mean(axis=0)
+    of_gas = -float(np.sum(between * np.diff(displaced, axis=0)))
+    of_all = float(np.sum(between * np.diff(stored, axis=0)))
+    per_mass = 1.0 / (fed * 2e-3)
+    parts = lost_flow_parts(look, 0.25)
+    assert parts["gas_flow"] == pytest.approx(per_mass * of_gas)
+    assert parts["compression_flow"] == pytest.approx(per_mass * (of_all - of_gas))
+    # of the volumes at the ports that of the working side counts
+    assert parts["port_volume_flow"] == pytest.approx(per_mass * 0.1)
+    # gaps fall by -1/2 and 0, faces by 1 and 0
+    assert parts["pressure_leakage_gap"] == pytest.approx(per_mass * 0.1 * -0.25 * 2e-3)
+    lateral = parts[f"pressure_leakage_{LATERAL.name}"]
+    assert lateral == pytest.approx(per_mass * 0.3 * 0.5 * 2e-3)
+    assert sum(parts.values()) == pytest.approx(0.25)
+    look.history.system.description.mode = "motor"
+    assert lost_flow_parts(look, 0.0)["port_volume_flow"] == pytest.approx(per_mass * 0.4)
