@@ -55,6 +55,11 @@ def test_steps_are_no_longer_than_a_fortieth_of_a_radian(speed: float) -> None:
     march = start_march(system, start_state(system))
     assert march.settings.max_step * speed == pytest.approx(1.0 / 40.0)
     assert march.settings.min_step * speed == pytest.approx(1e-16)
+    # cavitation in every chamber, every body at its stop, every contact
+    size = system.arrays.size
+    watched = size.chambers + size.journals + size.compliant
+    assert size.journals > 0 < size.compliant
+    assert march.settings.event_actions.size == watched
 
 
 def test_a_body_of_a_map_starts_at_the_same_share_of_any_clearance() -> None:
