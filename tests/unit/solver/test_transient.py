@@ -21,7 +21,12 @@ from toothspace.numerics.ndf_types import STEP_TOO_SMALL
 from toothspace.solver import integrator, transient
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, start_march
-from toothspace.solver.transient import TimePlan, TransientMarch, settle
+from toothspace.solver.transient import (
+    STUCK,
+    TimePlan,
+    TransientMarch,
+    settle,
+)
 
 LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
 CONDITION = OperatingCondition(
@@ -55,8 +60,16 @@ def test_samples_fill_all_cells_piece_by_piece(monkeypatch: pytest.MonkeyPatch) 
         cylinders((0.0, 100.0), (1.0, 100.0)), TimePlan(21e-3, cells=7, samples_per_cell=3)
     )
     told: list[tuple[float, str]] = []
+    asked: list[int] = []
+    advance = TransientMarch._advance
+
+    def noted(own: TransientMarch, by: March, times: Array) -> Array:
+        asked.append(times.size)
+        return advance(own, by, times)
+
+    monkeypatch.setattr(TransientMarch, "_advance", noted)
     pieces = list(march.chunks(lambda share, text: told.append((share, text))))
-    assert [times.size for times, _ in pieces] == [6, 6, 6, 3]
+    assert asked == [times.size for times, _ in pieces] == [6, 6, 6, 3]
     times = np.concatenate([times for times, _ in pieces])
     states = np.vstack([states for _, states in pieces])
     assert times == pytest.approx(1e-3 * np.arange(1, 22))
@@ -84,13 +97,16 @@ def test_cells_that_are_not_whole_are_left_out(monkeypatch: pytest.MonkeyPatch) 
     assert march.time == pytest.approx(6e-3)
 
 
-@pytest.mark.parametrize("kink", [0.4e-3, 5e-3, 6.0e-3, 11.3e-3])
+@pytest.mark.parametrize(
+    "kinks", [(0.4e-3,), (5e-3,), (6.0e-3,), (11.3e-3,), (8.3e-3, 9.6e-3, 11e-3)]
+)
 def test_a_march_begins_anew_at_every_kink_of_the_speed(
-    kink: float, monkeypatch: pytest.MonkeyPatch
+    kinks: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before the first sample, at one, at the end of a piece or between; the angle is that of the lines."""
     monkeypatch.setattr(transient, "_CELLS_PER_CHUNK", 2)
-    knots = ((0.0, 100.0), (kink, 60.0), (20e-3, 200.0))
+    between = [(kink, 60.0 + 50.0 * (k % 2)) for k, kink in enumerate(kinks)]
+    knots = ((0.0, 100.0), *between, (20e-3, 200.0))
     restarts: list[float] = []
     begin_anew = March.restart
 
@@ -103,7 +119,7 @@ def test_a_march_begins_anew_at_every_kink_of_the_speed(
     pieces = list(march.chunks())
     times = np.concatenate([times for times, _ in pieces])
     states = np.vstack([states for _, states in pieces])
-    assert restarts == pytest.approx([kink])
+    assert restarts == pytest.approx(kinks)
     assert times == pytest.approx(1e-3 * np.arange(1, 19))
     assert states[:, 0] == pytest.approx(angle_at(knots, times), rel=1e-3)
     assert states[:, 1] == pytest.approx(np.interp(times, *np.array(knots).T), rel=1e-3)
@@ -119,6 +135,34 @@ def test_a_shaft_at_rest_turns_the_way_of_its_next_speed() -> None:
     state[1] = 0.0
     settle(system, state, 4.0)
     assert drive[col.DIRECTION] == 0.0
+
+
+def test_friction_holds_a_shaft_at_rest_where_it_has_a_breakaway_torque(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """3 N m drive it, 5 N m hold it: without a breakaway torque nothing does."""
+    system = cylinders(shaft_speed=0.0, free_shaft=FreeShaft(inertia=1e-3))
+    drive, state = system.arrays.drive, start_state(system)
+    monkeypatch.setattr(transient, "hold_shaft", lambda *_: None)
+    drive[col.DRIVING_TORQUE], drive[col.HOLDING_TORQUE] = 3.0, 5.0
+    for breakaway, direction in ((1.0, STUCK), (0.0, 1.0)):
+        drive[col.BREAKAWAY] = breakaway
+        settle(system, state, 0.0)
+        assert drive[col.DIRECTION] == direction
+
+
+@pytest.mark.parametrize("mode", ["pump", "motor"])
+def test_the_pressure_difference_is_that_which_a_machine_works_with(mode: str) -> None:
+    ports = {"inlet_pressure": 1e5, "outlet_pressure": 50e5}
+    if mode == "motor":
+        ports = {"inlet_pressure": 50e5, "outlet_pressure": 1e5}
+    knots = np.array([[0.0, 100.0], [1.0, 100.0]])
+    condition = replace(CONDITION, speed_schedule=knots, **ports)
+    system = assemble(replace(toy_machine(), mode=mode), LAW, condition)
+    march = TransientMarch(system, TimePlan(1.0))
+    states = np.tile(start_state(system), (3, 1))
+    found = transient._values(march, 1e-3 * np.arange(3.0), states)
+    assert found["pressure_difference"] == pytest.approx(np.full(3, 49e5))
 
 
 def test_a_load_is_the_sum_of_its_parts() -> None:
