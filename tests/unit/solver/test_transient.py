@@ -103,7 +103,7 @@ def test_cells_that_are_not_whole_are_left_out(monkeypatch: pytest.MonkeyPatch) 
 def test_a_march_begins_anew_at_every_kink_of_the_speed(
     kinks: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Before the first sample, at one, at the end of a piece or between; the angle is that of the lines."""
+    """Before the first sample, at one, at the end of a piece, between; turned as the lines say."""
     monkeypatch.setattr(transient, "_CELLS_PER_CHUNK", 2)
     between = [(kink, 60.0 + 50.0 * (k % 2)) for k, kink in enumerate(kinks)]
     knots = ((0.0, 100.0), *between, (20e-3, 200.0))
