@@ -13,8 +13,10 @@ import xarray as xr
 from scipy.io import loadmat
 
 from toothspace.cli import main
+from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import write_dataset
 from toothspace.core.types import Array
+from toothspace.results import exchange
 from toothspace.results.solution import load_solution
 
 
@@ -221,3 +223,21 @@ def test_zarr_needs_its_extra(
     monkeypatch.setitem(sys.modules, "zarr", None)
     assert main(["export", saved_map(tmp_path), "-o", str(tmp_path / "map.zarr")]) == 2
     assert "toothspace[zarr]" in capsys.readouterr().err
+
+
+def test_a_folder_that_is_no_store_is_left_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A store, which has its group, is replaced."""
+    monkeypatch.setattr(exchange, "package_of_extra", lambda *_: None)
+    monkeypatch.setattr(
+        xr.Dataset, "to_zarr", lambda _, path, **__: path.mkdir() or (path / "new").touch()
+    )
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").touch()
+    with pytest.raises(CaseError, match="found a folder that is no Zarr store"):
+        exchange.write_zarr(xr.Dataset(), tmp_path / "mine")
+    assert [one.name for one in tmp_path.rglob("*")] == ["mine", "letter.txt"]
+    (tmp_path / "mine" / ".zgroup").touch()
+    exchange.write_zarr(xr.Dataset(), tmp_path / "mine")
+    assert [one.name for one in tmp_path.rglob("*")] == ["mine", "new"]

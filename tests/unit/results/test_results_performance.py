@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -122,3 +124,92 @@ def test_drain_of_the_fake_motor_is_warmed_by_its_own_losses() -> None:
 def test_zero_window_gives_no_number_instead_of_an_error() -> None:
     ledger = Ledger(0.0, 0.0, {}, {})
     assert np.isnan(performance.overall_efficiency(pump_data(), ledger))
+
+
+def test_pressures_of_the_summary_are_extremes_in_bar() -> None:
+    solution = fake_solution()
+    summary, pressure = solution.summary(), np.asarray(solution.data["chamber_pressure"])
+    assert summary["max_chamber_pressure_bar"] == pytest.approx(1e-5 * pressure.max())
+    assert summary["min_chamber_pressure_bar"] == pytest.approx(1e-5 * pressure.min())
+    assert summary["inlet_pressure_bar"] == pytest.approx(200.0, rel=1e-3)
+    assert summary["outlet_pressure_bar"] == pytest.approx(1.0)
+    # a wave of two thousandths of 200 bar, of a rectified sine
+    assert summary["pressure_ripple_bar"] == pytest.approx(0.4, rel=0.01)
+    flow = np.asarray(solution.data["inlet_flow_rate"])
+    ripple = 100.0 * (flow.max() - flow.min()) / flow.mean()
+    assert summary["flow_ripple_percent"] == pytest.approx(ripple, rel=1e-3)
+
+
+def test_contacts_that_carry_are_counted_by_their_forces() -> None:
+    force = [[10.0, 0.0], [10.0, 5.0], [0.0, 0.0], [3.0, -2.0]]
+    data = xr.Dataset({"contact_force": (("shaft_angle", "contact"), force)})
+    assert performance.mean_loaded_contacts(data) == 1.0
+    known = data.assign(contact_loaded_share=("contact", [0.75, 0.5]))
+    assert performance.mean_loaded_contacts(known) == 1.25
+
+
+def test_numbers_of_lateral_films_are_in_engineering_units() -> None:
+    """Micrometres, litres per minute, square millimetres; the load is that of the samples."""
+    data = xr.Dataset(
+        {
+            "bearing_position": ("shaft_angle", [4e-6, 6e-6]),
+            "axial_load": ("shaft_angle", [900.0, 1100.0]),
+        }
+    )
+    statistics = {
+        "lateral_leakage": 2e-5,
+        "lateral_smallest_gap": 3e-6,
+        "lateral_real_contact_area": 4e-6,
+        "solid_bearing_seat_margin": 2e-3,
+        "lateral_wear_power": 5e6,
+        "lateral_torque": 0.7,
+    }
+    assert performance.lateral_numbers(data, statistics) == pytest.approx(
+        {
+            "bearing_position_um": 5.0,
+            "axial_load_N": 1000.0,
+            "lateral_leakage_L_per_min": 1.2,
+            "smallest_film_um": 3.0,
+            "real_contact_area_mm2": 4.0,
+            "tipping_margin_mm": 2.0,
+            "seat_margin_mm": 2.0,
+            "wear_power_W_per_mm2": 5.0,
+            "lateral_torque_N_m": 0.7,
+        }
+    )
+    assert performance.lateral_numbers(xr.Dataset(), {}) == {}
+
+
+def test_the_hottest_film_is_one_of_the_films() -> None:
+    nodes = {"outlet": 330.0, "drain": 345.0, "drive_gear_film.1": 350.0, "lateral_film.2": 340.0}
+    network = xr.Dataset(
+        {"temperature": ("heat_node", list(nodes.values()))}, {"heat_node": [*nodes]}
+    )
+    solution = fake_solution()
+    summary = replace(solution, data=solution.data.merge(network)).summary()
+    assert summary["highest_film_temperature_degC"] == pytest.approx(350.0 - 273.15)
+    assert summary["outlet_temperature_degC"] == pytest.approx(330.0 - 273.15)
+    assert summary["drain_temperature_degC"] == pytest.approx(345.0 - 273.15)
+    assert summary["inlet_temperature_degC"] == pytest.approx(50.0)
+
+
+def test_leakages_are_by_pressure_and_drag_together() -> None:
+    parts = {
+        "pressure_leakage_tooth_tip": 5e-6,
+        "drag_leakage_tooth_tip": -2e-6,
+        "pressure_leakage_flank": 1e-6,
+        "compression_flow": 7e-6,
+    }
+    found = performance.leakages_of(parts)
+    assert found == pytest.approx({"tooth_tip": 3e-6, "flank": 1e-6})
+    data = xr.Dataset({"lost_flow": ("flow_part", [*parts.values()])}, {"flow_part": [*parts]})
+    assert performance.parts_of(data) == parts
+
+
+def test_a_machine_lacks_what_it_displaces_and_does_not_deliver() -> None:
+    data, ledger = pump_data(), pump_ledger()
+    lost = 1e-6 * 10.0 / 0.1 - 8.0e-3 / 850.0 / 0.1
+    assert performance.lost_flow_rate(data, ledger) == pytest.approx(lost)
+    assert performance.lost_flow_rate(data.assign_attrs(mode="motor"), ledger) == pytest.approx(
+        -lost
+    )

@@ -72,3 +72,9 @@ def test_what_is_no_result_is_refused_in_one_line(tmp_path: Path, name: str, fou
         load_solution(tmp_path / name)
     wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file of a run"
     assert str(refused.value) == wanted
+
+
+def test_pressure_along_the_spaces_is_told_in_bar() -> None:
+    noted = fake_solution().with_note(pressure_along_spaces=3.2e5)
+    assert noted.summary()["pressure_along_spaces_bar"] == pytest.approx(3.2)
+    assert "pressure_along_spaces_bar" not in fake_solution().summary()

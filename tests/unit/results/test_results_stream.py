@@ -6,12 +6,14 @@ import gc
 import pickle
 import tracemalloc
 from collections.abc import Mapping
+from io import FileIO
 
 import numpy as np
 import pytest
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.results import stream as streams
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution, load_solution
 from toothspace.results.stream import SampleStream
@@ -67,3 +69,21 @@ def test_saved_like_any_other_result(tmp_path: object) -> None:
     solution = streamed(700, 50)
     again = load_solution(solution.save(f"{tmp_path}/run.nc"))
     assert again.data.identical(solution.data.compute())
+
+
+def test_rows_go_to_disk_many_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One by one each of the three variables would be written at every step of a run."""
+    written, real = [], streams.write_whole
+
+    def counted(file: FileIO, content: bytes) -> None:
+        written.append(len(content))
+        real(file, content)
+
+    monkeypatch.setattr(streams, "write_whole", counted)
+    stream = SampleStream()
+    for begin in range(2000):
+        stream.append(rows(begin, begin + 1))
+    assert 3 <= len(written) <= 3 * 5
+    # what is not on disk is kept until then
+    assert sum(written) >= 8 * (2 + CHAMBERS) * (2000 - 512)
+    stream.finish()
