@@ -12,6 +12,7 @@ from tests.fake_solution import (
     HIGH,
     LOW,
     MECHANISMS,
+    PATHS,
     SPEED,
     TORQUE_LOSSES,
     fake_solution,
@@ -112,6 +113,10 @@ def test_summary_numbers_in_engineering_units() -> None:
     expected = TORQUE_LOSSES[index]  # its ripple has zero mean up to the sampling
     assert summary["torque_loss_mesh_friction_N_m"] == pytest.approx(expected, rel=1e-3)
     assert summary["energy_balance_error"] < 1e-12
+    # without its parts what is lost and does not leak is exchanged
+    leakage = sum(summary[f"leakage_{path}_L_per_min"] for path in PATHS)
+    exchanged = summary["lost_flow_L_per_min"] - leakage
+    assert summary["mesh_exchange_flow_L_per_min"] == pytest.approx(exchanged)
 
 
 def test_drain_of_the_fake_motor_is_warmed_by_its_own_losses() -> None:
