@@ -225,19 +225,13 @@ def test_zarr_needs_its_extra(
     assert "toothspace[zarr]" in capsys.readouterr().err
 
 
-def test_a_folder_that_is_no_store_is_left_alone(
+def test_a_folder_that_is_no_zarr_store_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A store, which has its group, is replaced."""
+    """Whether or not the extra is there."""
     monkeypatch.setattr(exchange, "package_of_extra", lambda *_: None)
-    monkeypatch.setattr(
-        xr.Dataset, "to_zarr", lambda _, path, **__: path.mkdir() or (path / "new").touch()
-    )
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "letter.txt").touch()
-    with pytest.raises(CaseError, match="found a folder that is no Zarr store"):
-        exchange.write_zarr(xr.Dataset(), tmp_path / "mine")
-    assert [one.name for one in tmp_path.rglob("*")] == ["mine", "letter.txt"]
-    (tmp_path / "mine" / ".zgroup").touch()
-    exchange.write_zarr(xr.Dataset(), tmp_path / "mine")
-    assert [one.name for one in tmp_path.rglob("*")] == ["mine", "new"]
+    (tmp_path / "mine.zarr").mkdir()
+    (tmp_path / "mine.zarr" / "kept").touch()
+    with pytest.raises(CaseError, match="a folder that is no Zarr store"):
+        exchange.write_zarr(xr.Dataset({"a": 1.0}), tmp_path / "mine.zarr")
+    assert (tmp_path / "mine.zarr" / "kept").exists()

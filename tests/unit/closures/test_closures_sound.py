@@ -131,3 +131,32 @@ def test_edges_of_a_plate_radiate_below_the_critical_frequency() -> None:
     strip = 2.0 * (length + width) / (length * width) * SOUND_SPEED / critical
     found = plate_radiation_efficiency(np.array([1500.0]), critical, length, width)
     assert float(found[0]) == pytest.approx(strip * part, rel=1e-9)
+
+
+def test_corners_of_a_plate_radiate_below_half_of_the_critical_frequency() -> None:
+    """At a quarter of it, by hand: edges (3/4 ln 3 + 1)/(4 pi^2 (3/4)^1.5), and corners."""
+    length, width, critical = 1.2, 0.8, 2000.0
+    edges = (0.75 * math.log(3.0) + 1.0) / (4.0 * math.pi**2 * 0.75**1.5)
+    corners = 4.0 * SOUND_SPEED**2 / (critical**2 * math.pi**4 * 0.96 * 0.5 * math.sqrt(0.75))
+    strip = 2.0 * (length + width) / 0.96 * SOUND_SPEED / critical
+    found = plate_radiation_efficiency(np.array([500.0]), critical, length, width)
+    assert float(found[0]) == pytest.approx(strip * edges + corners, rel=1e-9)
+
+
+def test_a_small_plate_is_limited_by_its_size_above_the_critical_frequency() -> None:
+    """sqrt(2 pi f (l + b)/(16 c)) where that is less than of a large one."""
+    found = plate_radiation_efficiency(np.array([2000.0]), 1200.0, 0.2, 0.15)
+    expected = math.sqrt(2.0 * math.pi * 2000.0 * 0.35 / (16.0 * SOUND_SPEED))
+    assert expected < 1.0 / math.sqrt(1.0 - 0.6)
+    assert float(found[0]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_below_its_first_resonance_a_large_plate_radiates_as_a_piston_at_most() -> None:
+    """First resonance c^2/(4 f_c) (1/l^2 + 1/b^2): 5.5 Hz here; below it 4 l b (f/c)^2."""
+    length, width, critical = 1.2, 0.8, 12e3
+    first = SOUND_SPEED**2 / (4.0 * critical) * (length**-2 + width**-2)
+    frequency = first * np.array([0.3, 0.95, 0.99, 1.01])
+    found = plate_radiation_efficiency(frequency, critical, length, width)
+    piston = 4.0 * length * width * (frequency / SOUND_SPEED) ** 2
+    assert found[:3] == pytest.approx(piston[:3], rel=1e-9)
+    assert found[3] > 2.0 * piston[3]

@@ -559,6 +559,22 @@ def test_inputs_start_at_the_highest_pressures_and_speed_of_the_tables(mode: str
     assert found["shaft_speed"].causality == "input"
 
 
+@pytest.mark.parametrize(
+    ("si", "shown", "one"),
+    [
+        ("Pa", "bar", 1e5),
+        ("m3/s", "L/min", 1e-3 / 60.0),
+        ("rad/s", "rpm", 2.0 * math.pi / 60.0),
+        ("rad", "deg", 2.0 * math.pi / 360.0),
+        ("m", "um", 1e-6),
+    ],
+)
+def test_one_of_a_unit_for_display_is_so_many_si_units(si: str, shown: str, one: float) -> None:
+    _, factors = archive.UNITS[si]
+    assert factors[shown] * one == pytest.approx(1.0)
+    assert archive.unit_attributes(si) == {"unit": si, "displayUnit": shown}
+
+
 def test_a_free_shaft_starts_at_rest_with_an_inertia() -> None:
     """Of a thousandth of a kg m2, as a whole machine has: none would be refused."""
     tables = xr.Dataset(

@@ -20,6 +20,7 @@ from toothspace.model.description import Motion
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver.initial import start_state
+from toothspace.solver.integrator import start_march
 
 LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
 CONDITION = OperatingCondition(
@@ -129,3 +130,76 @@ def test_pumps_of_given_flow_deliver_what_the_machine_displaces() -> None:
         ("inlet", 1e5, 20e-6),
         ("outlet", 50e5, 30e-6),
     ]
+
+
+def test_arrays_that_share_memory_are_laid_out_once_and_on_even_places() -> None:
+    memory = machine_file._Memory()
+    whole, short = np.arange(40.0).reshape(10, 4), np.arange(5.0)
+    part = whole[3:, 1:]
+    assert memory.place(short) == 0
+    assert memory.place(whole) == 64
+    place = memory.place(part, 2, 1)
+    assert place == 64 + 8 * (5 * 4 + 2)
+    assert memory.place(np.zeros(0)) == 64 + 320
+    assert memory.size == 64 + 320 + 64
+    content = memory.content()
+    assert len(content) == memory.size
+    assert struct.unpack_from("<d", content, place) == (part[2, 1],)
+    assert struct.unpack_from("<5d", content, 0) == (0.0, 1.0, 2.0, 3.0, 4.0)
+
+
+def test_words_of_an_array_are_its_size_address_shape_and_strides() -> None:
+    memory = machine_file._Memory()
+    memory.add((7, np.zeros((10, 4)), 2.5, np.zeros(3)))
+    assert memory.words[:7] == [7, 40, 0, 10, 4, 32, 8]
+    assert struct.pack("<q", memory.words[7]) == struct.pack("<d", 2.5)
+    assert memory.words[8:] == [3, 0, 3, 8]
+    # where an address is written, and the place that it is of
+    assert memory.addresses == [(2, 0), (9, 320)]
+
+
+@pytest.mark.parametrize("scheduled", [False, True])
+def test_a_file_begins_with_where_its_parts_are(scheduled: bool) -> None:
+    knots = np.array([[0.0, 150.0], [1e12, 150.0]])
+    condition = replace(CONDITION, speed_schedule=knots) if scheduled else CONDITION
+    system = cylinders(condition)
+    state = start_state(system)
+    content, variables = machine_file._file(system, state, "0123456789abcdef")
+    head, record = "<8s16s22q", "<40s16s4qd"
+    magic, digest, words, addresses, size, count, inputs, total, *places = struct.unpack_from(
+        head, content
+    )
+    assert (magic, digest) == (b"TOOTHSP1", b"0123456789abcdef")
+    assert (count, total) == (len(variables), state.size)
+    told = [one.is_input for one in variables]
+    assert told == sorted(told, reverse=True)
+    assert sum(told) == inputs == 3
+    begin = struct.calcsize(head)
+    for k, one in enumerate(variables):
+        name, unit, role, place, *_, factor = struct.unpack_from(
+            record, content, begin + k * struct.calcsize(record)
+        )
+        assert name.rstrip(b"\0").decode() == one.name
+        assert unit.rstrip(b"\0").decode() == one.unit
+        assert (role, place, factor) == (one.role, one.place, one.factor)
+    begin += count * struct.calcsize(record)
+    memory = begin + 8 * words + 16 * addresses
+    assert len(content) == memory + size
+    # every address stands behind the size of its array
+    listed = struct.unpack_from(f"<{words}q", content, begin)
+    for k in range(addresses):
+        word, place = struct.unpack_from("<2q", content, begin + 8 * words + 16 * k)
+        assert listed[word] == 0 <= listed[word - 1]
+        assert 0 <= place < size
+    given, schedule = places[2], places[-1]
+    found = struct.unpack_from(f"<{state.size}d", content, memory + given)
+    assert found == pytest.approx(state)
+    if scheduled:
+        assert struct.unpack_from("<4d", content, memory + schedule) == (0.0, 150.0, 1e12, 150.0)
+    else:
+        assert schedule == -1
+    # time up to which steps were made, in the record of the integrator
+    control = start_march(system, state).state.control
+    offset = control.dtype.fields["valid_until"][1]
+    (kept,) = np.frombuffer(content, control.dtype, 1, memory + places[8] - offset)
+    assert kept == control[0]

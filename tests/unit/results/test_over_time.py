@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from toothspace.core.status import Event, Status
+from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.results.ledger import Ledger
 from toothspace.results.performance import collapse_power, transient_numbers
@@ -129,31 +129,42 @@ def test_numbers_over_time() -> None:
     assert {name: numbers[name] for name in expected} == pytest.approx(expected)
 
 
-def test_a_run_of_ten_seconds_in_four_is_faster_than_its_time() -> None:
-    """And its start is where the shaft was released first."""
-    rows = start()
-    more = {
-        "shaft_speed_highest": 5.0,
-        "outlet_flow_rate": 1e-4,
-        "shaft_torque": 3.0,
-    }
-    data = rows.assign({name: ("time", np.full(1001, value)) for name, value in more.items()})
-    data = data.assign(displacement=1e-6).assign_attrs(mode="pump")
-    events = (
-        Event(0.0, BREAKAWAY, "shaft_released", "shaft"),
-        Event(9.0, SLOWER, "shaft_released", "shaft"),
-    )
-    solution = Solution(
-        Status.DONE, data, Ledger(10.0, 1.0, {}, {}), {"wall_time": 4.0}, events=events
-    )
-    numbers = solution.summary()
-    assert numbers["real_time_factor"] == pytest.approx(2.5)
-    assert numbers["breakaway_time_s"] == BREAKAWAY
-    assert numbers["startup_pressure_bar"] == pytest.approx(102.0)
-
-
 def test_vapour_that_collapses_sets_free_what_the_high_pressure_does_on_it() -> None:
     """0.25 and 0.3 of a cubic centimetre vanish within 3 ms; traces do not count."""
     fraction = np.array([[0.5, 9e-5], [0.25, 0.0], [0.3, 9e-5], [0.0, 0.0]])
-    power = collapse_power(fraction, np.full((4, 2), 1e-6), 0.2 + np.arange(4.0) * 1e-3, 1e7)
+    power = collapse_power(fraction, np.full((4, 2), 1e-6), np.arange(4.0) * 1e-3, 1e7)
     assert power == pytest.approx(1e7 * 0.55e-6 / 3e-3)
+
+
+def test_time_of_a_run_over_time_of_computing_is_its_real_time_factor() -> None:
+    data = start().assign(
+        displacement=1e-6,
+        shaft_speed_highest=("time", np.ones(1001)),
+        outlet_flow_rate=("time", np.ones(1001)),
+        shaft_torque=("time", np.ones(1001)),
+    )
+    ledger = Ledger(10.0, 7.0, {}, {})
+    found = Solution(Status.DONE, data, ledger, statistics={"wall_time": 4.0}).summary()
+    assert found["real_time_factor"] == pytest.approx(2.5)
+    assert found["wall_time_s"] == 4.0
+
+
+def test_a_shaft_that_never_turned_is_told_with_the_largest_pressure() -> None:
+    pressure = np.array([10e5, -50e5, 30e5])
+    data = over(np.arange(3.0), shaft_speed=0.0, pressure_difference=pressure, supply_speed=10.0)
+    (told,) = standing(data)
+    assert told.text.endswith("friction and load hold it against 50 bar.")
+
+
+def test_numbers_of_a_start_do_not_hang_on_where_the_shaft_stood() -> None:
+    turned = start()
+    turned["shaft_angle"] = turned["shaft_angle"] + 5.0
+    numbers = startup_numbers(turned, BREAKAWAY)
+    assert numbers == pytest.approx(startup_numbers(start(), BREAKAWAY))
+
+
+def test_a_start_without_supply_runs_to_the_end() -> None:
+    coasting = start()
+    coasting["supply_speed"] = 0.0 * coasting["supply_speed"]
+    numbers = startup_numbers(coasting, BREAKAWAY)
+    assert numbers["max_running_pressure_bar"] == pytest.approx(120.0)

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,7 +10,6 @@ from tests.fake_solution import (
     HIGH,
     LOW,
     MECHANISMS,
-    PATHS,
     SPEED,
     TORQUE_LOSSES,
     fake_solution,
@@ -113,10 +110,6 @@ def test_summary_numbers_in_engineering_units() -> None:
     expected = TORQUE_LOSSES[index]  # its ripple has zero mean up to the sampling
     assert summary["torque_loss_mesh_friction_N_m"] == pytest.approx(expected, rel=1e-3)
     assert summary["energy_balance_error"] < 1e-12
-    # without its parts what is lost and does not leak is exchanged
-    leakage = sum(summary[f"leakage_{path}_L_per_min"] for path in PATHS)
-    exchanged = summary["lost_flow_L_per_min"] - leakage
-    assert summary["mesh_exchange_flow_L_per_min"] == pytest.approx(exchanged)
 
 
 def test_drain_of_the_fake_motor_is_warmed_by_its_own_losses() -> None:
@@ -131,71 +124,83 @@ def test_zero_window_gives_no_number_instead_of_an_error() -> None:
     assert np.isnan(performance.overall_efficiency(pump_data(), ledger))
 
 
-def test_pressures_of_the_summary_are_extremes_in_bar() -> None:
+def test_pressures_temperatures_and_lost_flow_of_a_summary_by_hand() -> None:
+    """The inlet swings by 0.2 % of 200 bar; of the 4 % that is lost gaps leak a part."""
     solution = fake_solution()
-    summary, pressure = solution.summary(), np.asarray(solution.data["chamber_pressure"])
-    assert summary["max_chamber_pressure_bar"] == pytest.approx(1e-5 * pressure.max())
-    assert summary["min_chamber_pressure_bar"] == pytest.approx(1e-5 * pressure.min())
-    assert summary["inlet_pressure_bar"] == pytest.approx(200.0, rel=1e-3)
+    summary = solution.summary()
+    chambers = solution.data["chamber_pressure"].values
+    assert summary["inlet_pressure_bar"] == pytest.approx(200.0, rel=1e-4)
     assert summary["outlet_pressure_bar"] == pytest.approx(1.0)
-    # a wave of two thousandths of 200 bar, of a rectified sine
-    assert summary["pressure_ripple_bar"] == pytest.approx(0.4, rel=0.01)
-    flow = np.asarray(solution.data["inlet_flow_rate"])
-    ripple = 100.0 * (flow.max() - flow.min()) / flow.mean()
-    assert summary["flow_ripple_percent"] == pytest.approx(ripple, rel=1e-3)
+    assert summary["pressure_ripple_bar"] == pytest.approx(0.4, rel=1e-6)
+    assert summary["max_chamber_pressure_bar"] == pytest.approx(1e-5 * chambers.max())
+    assert summary["min_chamber_pressure_bar"] == pytest.approx(1e-5 * chambers.min())
+    assert summary["inlet_temperature_degC"] == pytest.approx(50.0)
+    heat = sum(v for k, v in summary.items() if k.startswith("power_loss_") and k != "power_loss_W")
+    assert heat == pytest.approx(summary["power_loss_W"])
+    warmed = heat / (summary["mean_flow_L_per_min"] / 6e4 * DENSITY_HIGH * 1960.0)
+    assert summary["outlet_temperature_degC"] == pytest.approx(50.0 + warmed)
+    lost = 4.949e-3 * 1500.0 * (1.0 / 0.96 - 1.0)
+    assert summary["lost_flow_L_per_min"] == pytest.approx(lost)
+    leaking = 6e4 * (0.9e-6 + 0.15e-6 + 0.8e-6 + 1.1e-6)
+    assert summary["mesh_exchange_flow_L_per_min"] == pytest.approx(lost - leaking)
 
 
-def test_contacts_that_carry_are_counted_by_their_forces() -> None:
-    force = [[10.0, 0.0], [10.0, 5.0], [0.0, 0.0], [3.0, -2.0]]
+def test_films_of_a_heat_network_have_their_hottest_place() -> None:
+    nodes = ["outlet", "drain", "journal_film_drive", "lateral_film_left"]
+    solution = fake_solution()
+    data = solution.data.assign(
+        temperature=xr.DataArray([330.0, 340.0, 373.15, 350.0], {"heat_node": nodes})
+    )
+    summary = performance.summary_numbers(data, solution.ledger)
+    assert summary["highest_film_temperature_degC"] == pytest.approx(100.0)
+    assert summary["outlet_temperature_degC"] == pytest.approx(330.0 - 273.15)
+    assert summary["drain_temperature_degC"] == pytest.approx(340.0 - 273.15)
+
+
+def test_contacts_that_push_are_loaded() -> None:
+    force = [[0.0, 5.0, 0.0], [2.0, 5.0, 0.0]]
     data = xr.Dataset({"contact_force": (("shaft_angle", "contact"), force)})
-    assert performance.mean_loaded_contacts(data) == 1.0
-    known = data.assign(contact_loaded_share=("contact", [0.75, 0.5]))
-    assert performance.mean_loaded_contacts(known) == 1.25
+    assert performance.mean_loaded_contacts(data) == pytest.approx(1.5)
 
 
-def test_numbers_of_lateral_films_are_in_engineering_units() -> None:
-    """Micrometres, litres per minute, square millimetres; the load is that of the samples."""
+def test_vapour_collapses_under_the_higher_port_during_the_samples() -> None:
+    """0.2 cubic centimetres under 20 bar from 5 to 5.004 s."""
     data = xr.Dataset(
         {
-            "bearing_position": ("shaft_angle", [4e-6, 6e-6]),
-            "axial_load": ("shaft_angle", [900.0, 1100.0]),
+            "inlet_pressure": ("shaft_angle", [1e5, 1e5]),
+            "outlet_pressure": ("shaft_angle", [19e5, 21e5]),
+            "chamber_vapour_fraction": (("shaft_angle", "chamber"), [[0.4], [0.2]]),
+            "chamber_volume": (("shaft_angle", "chamber"), [[1e-6], [1e-6]]),
+            "time": ("shaft_angle", [5.0, 5.004]),
         }
     )
+    assert performance.vapour_collapse_power(data) == pytest.approx(20e5 * 0.2e-6 / 4e-3)
+
+
+def test_numbers_of_lateral_films_are_in_the_unit_of_their_name() -> None:
+    data = xr.Dataset({"bearing_position": ("shaft_angle", [4e-6, 8e-6])})
     statistics = {
         "lateral_leakage": 2e-5,
         "lateral_smallest_gap": 3e-6,
-        "lateral_real_contact_area": 4e-6,
+        "lateral_real_contact_area": 5e-6,
+        "lateral_wear_power": 7e6,
         "solid_bearing_seat_margin": 2e-3,
-        "lateral_wear_power": 5e6,
-        "lateral_torque": 0.7,
+        "lateral_torque": 0.4,
     }
-    assert performance.lateral_numbers(data, statistics) == pytest.approx(
+    found = performance.lateral_numbers(data, statistics)
+    assert found == pytest.approx(
         {
-            "bearing_position_um": 5.0,
-            "axial_load_N": 1000.0,
+            "bearing_position_um": 6.0,
             "lateral_leakage_L_per_min": 1.2,
             "smallest_film_um": 3.0,
-            "real_contact_area_mm2": 4.0,
+            "real_contact_area_mm2": 5.0,
+            "wear_power_W_per_mm2": 7.0,
             "tipping_margin_mm": 2.0,
             "seat_margin_mm": 2.0,
-            "wear_power_W_per_mm2": 5.0,
-            "lateral_torque_N_m": 0.7,
+            "lateral_torque_N_m": 0.4,
         }
     )
-    assert performance.lateral_numbers(xr.Dataset(), {}) == {}
-
-
-def test_the_hottest_film_is_one_of_the_films() -> None:
-    nodes = {"outlet": 330.0, "drain": 345.0, "drive_gear_film.1": 350.0, "lateral_film.2": 340.0}
-    network = xr.Dataset(
-        {"temperature": ("heat_node", list(nodes.values()))}, {"heat_node": [*nodes]}
-    )
-    solution = fake_solution()
-    summary = replace(solution, data=solution.data.merge(network)).summary()
-    assert summary["highest_film_temperature_degC"] == pytest.approx(350.0 - 273.15)
-    assert summary["outlet_temperature_degC"] == pytest.approx(330.0 - 273.15)
-    assert summary["drain_temperature_degC"] == pytest.approx(345.0 - 273.15)
-    assert summary["inlet_temperature_degC"] == pytest.approx(50.0)
+    assert performance.lateral_numbers(data, {}) == {}
 
 
 def test_leakages_are_by_pressure_and_drag_together() -> None:
@@ -215,6 +220,5 @@ def test_a_machine_lacks_what_it_displaces_and_does_not_deliver() -> None:
     data, ledger = pump_data(), pump_ledger()
     lost = 1e-6 * 10.0 / 0.1 - 8.0e-3 / 850.0 / 0.1
     assert performance.lost_flow_rate(data, ledger) == pytest.approx(lost)
-    assert performance.lost_flow_rate(data.assign_attrs(mode="motor"), ledger) == pytest.approx(
-        -lost
-    )
+    motor = data.assign_attrs(mode="motor")
+    assert performance.lost_flow_rate(motor, ledger) == pytest.approx(-lost)

@@ -74,7 +74,19 @@ def test_what_is_no_result_is_refused_in_one_line(tmp_path: Path, name: str, fou
     assert str(refused.value) == wanted
 
 
-def test_pressure_along_the_spaces_is_told_in_bar() -> None:
-    noted = fake_solution().with_note(pressure_along_spaces=3.2e5)
-    assert noted.summary()["pressure_along_spaces_bar"] == pytest.approx(3.2)
-    assert "pressure_along_spaces_bar" not in fake_solution().summary()
+def test_pressure_along_spaces_is_in_bar() -> None:
+    told = replace(fake_solution(), statistics={"pressure_along_spaces": 3.5e5}).summary()
+    assert told["pressure_along_spaces_bar"] == pytest.approx(3.5)
+
+
+def test_a_table_of_samples_has_numbers_and_rows_of_numbers() -> None:
+    """Places of bodies along two axes have no column."""
+    solution = fake_solution(36)
+    frame = solution.to_dataframe()
+    assert len(frame) == 36
+    assert "shaft_torque" in frame
+    labels = [str(label) for label in solution.data["chamber"].values]
+    assert {f"chamber_pressure[{label}]" for label in labels} <= set(frame)
+    assert not [name for name in frame if str(name).startswith("body_position")]
+    assert "running_in_depth" not in frame
+    assert frame.attrs["units"][f"chamber_pressure[{labels[0]}]"] == "Pa"

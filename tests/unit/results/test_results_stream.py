@@ -6,14 +6,15 @@ import gc
 import pickle
 import tracemalloc
 from collections.abc import Mapping
-from io import FileIO
+from typing import Any
 
 import numpy as np
 import pytest
 
+from toothspace.core.files import write_whole
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.results import stream as streams
+from toothspace.results import stream
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution, load_solution
 from toothspace.results.stream import SampleStream
@@ -71,19 +72,14 @@ def test_saved_like_any_other_result(tmp_path: object) -> None:
     assert again.data.identical(solution.data.compute())
 
 
-def test_rows_go_to_disk_many_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One by one each of the three variables would be written at every step of a run."""
-    written, real = [], streams.write_whole
+def test_rows_wait_until_a_write_is_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """2000 rows of three variables in parts of 50: no more writes than pieces of 512 rows."""
+    writes = []
 
-    def counted(file: FileIO, content: bytes) -> None:
-        written.append(len(content))
-        real(file, content)
+    def counted(*given: Any) -> None:
+        writes.append(given)
+        write_whole(*given)
 
-    monkeypatch.setattr(streams, "write_whole", counted)
-    stream = SampleStream()
-    for begin in range(2000):
-        stream.append(rows(begin, begin + 1))
-    assert 3 <= len(written) <= 3 * 5
-    # what is not on disk is kept until then
-    assert sum(written) >= 8 * (2 + CHAMBERS) * (2000 - 512)
-    stream.finish()
+    monkeypatch.setattr(stream, "write_whole", counted)
+    assert streamed(2000, 50).data.sizes["time"] == 2000
+    assert 3 < len(writes) <= 3 * 4
