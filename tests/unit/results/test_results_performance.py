@@ -201,3 +201,24 @@ def test_numbers_of_lateral_films_are_in_the_unit_of_their_name() -> None:
         }
     )
     assert performance.lateral_numbers(data, {}) == {}
+
+
+def test_leakages_are_by_pressure_and_drag_together() -> None:
+    parts = {
+        "pressure_leakage_tooth_tip": 5e-6,
+        "drag_leakage_tooth_tip": -2e-6,
+        "pressure_leakage_flank": 1e-6,
+        "compression_flow": 7e-6,
+    }
+    found = performance.leakages_of(parts)
+    assert found == pytest.approx({"tooth_tip": 3e-6, "flank": 1e-6})
+    data = xr.Dataset({"lost_flow": ("flow_part", [*parts.values()])}, {"flow_part": [*parts]})
+    assert performance.parts_of(data) == parts
+
+
+def test_a_machine_lacks_what_it_displaces_and_does_not_deliver() -> None:
+    data, ledger = pump_data(), pump_ledger()
+    lost = 1e-6 * 10.0 / 0.1 - 8.0e-3 / 850.0 / 0.1
+    assert performance.lost_flow_rate(data, ledger) == pytest.approx(lost)
+    motor = data.assign_attrs(mode="motor")
+    assert performance.lost_flow_rate(motor, ledger) == pytest.approx(-lost)

@@ -119,6 +119,8 @@ def test_source_is_found_from_loads_of_known_impedance() -> None:
     assert source.impedance == pytest.approx(inner, rel=1e-9)
     assert source.misfit == pytest.approx(0.0, abs=1e-9)
     assert source.blocked_pressure == pytest.approx(flow * inner, rel=1e-9)
+    parallel = inner / (1.0 + inner / (2e10 + 1e10j))
+    assert source.pressure_into(2e10 + 1e10j) == pytest.approx(flow * parallel, rel=1e-9)
     assert abs(source.pressure_into(1e30)) == pytest.approx(abs(flow * inner), rel=1e-6)
 
 
@@ -199,3 +201,10 @@ def test_bands_count_orders_of_the_shaft_whatever_the_revolutions() -> None:
     assert quick == pytest.approx(0.2 * np.cos(12.0 * uniform), abs=1e-3)
     uniform, slow = low_pass(angle, signal, 8.0)
     assert slow == pytest.approx(3.0 + np.cos(5.0 * uniform), abs=1e-3)
+
+
+def test_orders_between_those_of_the_shaft_need_revolutions_enough() -> None:
+    """Six waves in eleven turns are resolved; what is slower than a half is not."""
+    angle = np.arange(11 * 360) * TURN / 360.0
+    signal = 200.0 + np.cos(6.0 / 11.0 * angle) + np.cos(5.0 / 11.0 * angle)
+    assert resolved_spectrum(angle, signal).order == pytest.approx([6.0 / 11.0])

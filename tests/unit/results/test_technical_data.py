@@ -170,3 +170,10 @@ def test_energy_of_an_electric_drive_is_in_kilowatt_hours(
     system = elements(elements(sizing)["SizingResult"])["OverallSystem"]
     energy = elements(system)["EnergyConsumtionPerCycle"]
     assert float(energy["value"]) == pytest.approx(2.0)
+
+
+def test_the_torque_of_a_motor_acts_along_its_rotation(tmp_path: Path) -> None:
+    motor = fake_solution(36)
+    written(tmp_path, motor, "Example Machines")
+    torque = np.loadtxt(tmp_path / "pump_motion.csv", delimiter=";", skiprows=1).T[-1]
+    np.testing.assert_allclose(torque, motor.data["shaft_torque"], rtol=1e-9)
