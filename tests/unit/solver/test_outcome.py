@@ -13,13 +13,17 @@ from tests.toy_machine import AMPLITUDE, COUNT, GAP, TURN, toy_machine
 from toothspace import api
 from toothspace.circuit.network import END_A, END_B
 from toothspace.circuit.shaft_loads import FreeShaft
+from toothspace.closures.density import mixture_density
+from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
+from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
+from toothspace.model.ledger import LEDGER_NAMES
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.path_category import CIRCUIT_ORIFICE, DRAIN, LATERAL
+from toothspace.model.path_category import CIRCUIT_ORIFICE, DRAIN, LATERAL, LOAD_ORIFICE
 from toothspace.numerics.periodic_table import table_from_exact_slopes
 from toothspace.results.solution import Solution
 from toothspace.solver import lost_flow, outcome
@@ -140,6 +144,37 @@ def test_torque_and_flows_of_the_samples_are_those_of_the_ledger(
     seen = observe(system.arrays, turned.states)
     given = outcome.port_values(replace(turned, system=motor), seen)
     assert given["shaft_torque"] == pytest.approx(-torque)
+
+
+@pytest.mark.parametrize("mode", ["pump", "motor"])
+def test_what_a_load_and_lines_dissipate_is_given_to_them_at_a_port(mode: str) -> None:
+    """5 J in the load behind the outlet, 3 J in a line at the working port; no oil has moved."""
+    machine = replace(toy_machine(), mode=mode, port_volumes=(1e-5, 1e-5))
+    system = assemble(machine, LAW, replace(CONDITION, load_area=1e-6))
+    first, size = start_state(system), system.arrays.size
+    last = first.copy()
+    accounts = [*LEDGER_NAMES, *(category.account for category in system.categories)]
+    last[size.core + accounts.index("circuit")] += 3.0
+    last[size.core + accounts.index(LOAD_ORIFICE.account)] += 5.0
+    states, times = np.stack([first, last]), np.array([0.0, 0.1])
+    history = History(Status.DONE, system, times, states, (), 1, {})
+    energy = outcome.window_ledger(history).energy
+    assert energy["load_orifice"] == pytest.approx(8.0)
+    assert energy["circuit"] == 0.0
+    ports = (0.0, 8.0) if mode == "pump" else (-3.0, 5.0)
+    assert (energy["port_inlet"], energy["port_outlet"]) == pytest.approx(ports)
+
+
+def test_flow_through_a_load_is_that_of_its_orifice() -> None:
+    """C A sqrt(2 dp / rho) from 50 to 1 bar, a little less where it is not all turbulent."""
+    machine = replace(toy_machine(), port_volumes=(1e-5, 1e-5))
+    system = assemble(machine, LAW, replace(CONDITION, load_area=1e-6))
+    states = start_state(system)[None]
+    history = History(Status.DONE, system, np.zeros(1), states, (), 1, {})
+    density = float(mixture_density(50e5, LAW.feed_gas_mass_fraction, LAW))
+    expected = DISCHARGE_COEFFICIENT * 1e-6 * np.sqrt(2.0 * 49e5 / density)
+    found = outcome._line_flow(history, observe(system.arrays, states))["line_flow_rate"]
+    assert 0.9 * expected < float(found[0]) < expected
 
 
 def test_a_single_state_has_no_flow(turned: History) -> None:
