@@ -403,6 +403,7 @@ FOLLOWED = {
 }
 
 ELSEWHERE = {
+    Status.STEP_TOO_SMALL: "no machine is known that ends so at pressures that a liquid stands",
     Status.NOT_REPEATING: "unit/solver/test_accuracy: more revolutions tell means",
     Status.NOT_CONVERGED: "verification: films on finer grids and from nearby conditions",
     Status.NOT_STORED: "unit/results: streams on a full disk",

@@ -48,4 +48,4 @@ def test_shifts_change_the_flexibility_as_in_the_standard(shifts: tuple[float, f
     expected = flexibility(counts, shifts) - flexibility(counts, (0.0, 0.0))
     steel = flanks.materials[0].elastic_modulus / 206e9
     # c' = 0.8 / q', with moduli relative to those of the standard; 1 mm um/N = 1e-9 m2/N
-    assert soft[0] - soft[1] == pytest.approx(1e-9 * expected / (0.8 * steel), rel=1e-6)
+    assert soft[0] - soft[1] == pytest.approx(1e-9 * expected / (0.8 * steel), rel=1e-6, abs=0.0)
