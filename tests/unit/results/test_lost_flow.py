@@ -237,7 +237,7 @@ def made_up(
     system = SimpleNamespace(arrays=arrays, description=description, categories=KINDS)
     states = np.zeros((samples, 6))
     states[:, 1] = 100.0
-    times = 2e-3 * np.arange(samples)
+    times = 0.5 + 2e-3 * np.arange(samples)
     history = SimpleNamespace(system=system, states=states, times=times)
     nothing = np.zeros((samples, 4))
     looked = {
@@ -306,10 +306,11 @@ def test_samples_and_chambers_keep_their_own_leakage(monkeypatch: pytest.MonkeyP
     density = np.full((2, 6), 800.0)
     density[:, 3] = [850.0, 840.0]
     flow = np.array([[0.1, 0.0, 0.3, 0.0], [0.0, 0.2, 0.5, 0.0]])
-    look = made_up(np.tile(LEVELS, (2, 1)), density=density, path_flow=flow)
+    drag = np.full((2, 4), 3e-7)
+    look = made_up(np.tile(LEVELS, (2, 1)), density=density, path_flow=flow, path_drag=drag)
     share = np.tile([[0.75, 0.25, 0.5, 0.0, 1.0, 0.0]], (2, 1))
-    pressure, _ = path_leakage(look, share)
-    assert pressure == pytest.approx(np.array([[0.05, 0.0, 0.15], [-0.1, 0.0, 0.25]]))
+    pressure, dragged = path_leakage(look, share)
+    assert pressure + dragged == pytest.approx(np.array([[0.05, 0.0, 0.15], [-0.1, 0.0, 0.25]]))
     monkeypatch.setattr(lost_flow, "look_at", lambda _: look)
     monkeypatch.setattr(lost_flow, "shares", lambda _: share)
     found = chamber_leakage(look.history)
