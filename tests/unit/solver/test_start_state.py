@@ -96,3 +96,5 @@ def test_journals_start_at_nine_tenths_of_their_clearance_along_their_load(block
         away = (place[own] - held) / journal[col.JOURNAL_CLEARANCE]
         np.testing.assert_allclose(away, 0.9 * load / np.hypot(*load), rtol=1e-9)
     assert carried == (2 if blocks == "free" else 0)
+    # no film is warmer than the oil, that round the blocks neither
+    np.testing.assert_array_equal(system.arrays.journal[:, col.JOURNAL_VISCOSITY], 1.0)
