@@ -7,9 +7,27 @@ import pytest
 
 from tests.toy_machine import COUNT, TURN, toy_machine
 from toothspace import api
+from toothspace.core.status import Status
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, assemble
-from toothspace.solver.cyclic import _change, _difference, _Seen, _turned, successors
+from toothspace.model.fluid import GasModel, fluid_law
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.solver import cyclic
+from toothspace.solver.compiled_model import observe
+from toothspace.solver.cyclic import (
+    DENSE,
+    DenseStates,
+    History,
+    RunPlan,
+    _change,
+    _difference,
+    _Seen,
+    _turned,
+    march_near,
+    march_revolutions,
+    march_several,
+    successors,
+)
 from toothspace.solver.initial import start_state
 
 
@@ -60,3 +78,104 @@ def test_changes_count_two_tenthousandths_of_the_pressure_and_two_thousandths_of
     assert _difference(pump, before, _Seen(one, place), TURN) == pytest.approx((expected, 0.0))
     state = start_state(pump)[None]
     assert _change(pump, state, _turned(pump, state, TURN)) == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def cylinders() -> System:
+    condition = OperatingCondition(
+        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
+    )
+    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
+    return assemble(toy_machine(), law, condition)
+
+
+@pytest.mark.parametrize("samples", [36, 35])
+@pytest.mark.parametrize("by_pitch", [True, False])
+def test_a_pitch_of_six_equal_cylinders_makes_the_revolution(
+    cylinders: System, samples: int, by_pitch: bool
+) -> None:
+    """Every chamber where another stood, all sums six times those of a pitch, without a seam."""
+    whole = march_revolutions(cylinders, RunPlan(samples_per_revolution=samples))
+    plan = RunPlan(samples_per_revolution=samples, by_pitch=by_pitch)
+    march = march_revolutions if by_pitch else march_near
+    told: list[str] = []
+    found = march(cylinders, plan, lambda _, text: told.append(text))
+    assert found is not None
+    assert found.alike == (COUNT if by_pitch else 1)
+    turn = TURN / 150.0
+    assert found.times == pytest.approx(turn * np.arange(samples + 1) / samples)
+    assert found.states[:, 0] == pytest.approx(150.0 * found.times, abs=1e-9)
+    seen, expected = (observe(cylinders.arrays, one.states) for one in (found, whole))
+    apart = np.abs(seen.pressure - expected.pressure).max(axis=1)
+    assert np.median(apart) < 1e-3 * 50e5
+    sums = slice(cylinders.arrays.size.core, None)
+    booked, known = (one.states[-1, sums] - one.states[0, sums] for one in (found, whole))
+    large = np.abs(known) > 1e-3 * np.abs(known).max()
+    assert booked[large] == pytest.approx(known[large], rel=5e-3)
+    # masses of the last state are those of the first, turned by a whole revolution
+    rest = slice(cylinders.arrays.size.mass, cylinders.arrays.size.core)
+    assert found.states[-1, rest] == pytest.approx(found.states[0, rest], rel=1e-9)
+    assert found.dense is not None
+    assert found.dense.times[-1] == pytest.approx(turn / COUNT if by_pitch else turn)
+    assert len(found.dense.times) > DENSE // COUNT
+    assert np.all(np.diff(found.dense.times) > 0.0)
+    # pitches are counted as parts of revolutions
+    assert told == [f"pitch {k}" for k in range(1, len(told) + 1)]
+    assert found.statistics["revolutions"] == pytest.approx(len(told) / COUNT)
+
+
+def test_a_march_tells_how_far_it_is(cylinders: System) -> None:
+    told: list[tuple[float, str]] = []
+    plan = RunPlan(revolutions=3, samples_per_revolution=36)
+    found = march_revolutions(cylinders, plan, lambda share, text: told.append((share, text)))
+    assert (found.revolutions, found.statistics["revolutions"]) == (3, 3.0)
+    shares, words = zip(*told, strict=True)
+    pieces = len(told) // 3
+    assert shares == pytest.approx(np.arange(1, 3 * pieces + 1) / (3 * pieces))
+    assert [*dict.fromkeys(words)] == ["revolution 1", "revolution 2", "revolution 3"]
+    assert words.count("revolution 2") == pieces
+    assert found.times[0] == pytest.approx(2.0 * TURN / 150.0)
+    assert found.times[-1] == pytest.approx(3.0 * TURN / 150.0)
+
+
+@pytest.mark.parametrize(("change", "status"), [(0.97, Status.DONE), (1.03, Status.NOT_CYCLIC)])
+def test_revolutions_agree_up_to_what_counts_as_no_change(
+    change: float, status: Status, cylinders: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cyclic, "_change", lambda *_: (change, 0.0))
+    plan = RunPlan(max_revolutions=4, samples_per_revolution=36)
+    found = march_revolutions(cylinders.at(relative_tolerance=1e-4), plan)
+    assert found.status is status
+    assert found.revolutions == (2 if status is Status.DONE else 4)
+
+
+@pytest.mark.parametrize(("apart", "spanned"), [(0.97, 3), (1.03, 4)])
+def test_a_period_is_found_between_revolutions_so_far_apart(
+    apart: float, spanned: int, cylinders: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each is compared with those before it, at the turns that lie between."""
+    numbers = iter(range(100))
+    monkeypatch.setattr(cyclic, "_seen", lambda *_: next(numbers))
+
+    def difference(_: System, before: int, after: int, turn: float) -> tuple[float, float]:
+        assert turn == pytest.approx((after - before) * TURN)
+        return (apart if after - before == 3 else 0.5 if after - before == 4 else 9.0), 0.0
+
+    monkeypatch.setattr(cyclic, "_difference", difference)
+    plan = RunPlan(revolutions=1, samples_per_revolution=36, averaged_revolutions=8)
+    quick = cylinders.at(relative_tolerance=1e-4)
+    found = march_several(march_revolutions(quick, plan), plan, lambda _: (1.0, 1.0))
+    assert (found.status, found.spanned) == (Status.DONE, spanned)
+
+
+def test_many_revolutions_keep_their_ends_and_fewer_states(cylinders: System) -> None:
+    """Thirty-three of two intervals each: every third state, with the last."""
+    states = np.zeros((3, 1))
+    parts = []
+    for k in range(33):
+        times = k + np.array([0.0, 0.5, 1.0])
+        dense = DenseStates(times, states)
+        parts.append(History(Status.DONE, cylinders, times, states, (), 1, {}, dense))
+    found = cyclic._joined(parts)
+    assert found.times == pytest.approx(1.5 * np.arange(23))
+    assert found.spanned == 33
