@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.toy_machine import COUNT, TURN, toy_machine
 from toothspace import api
 from toothspace.core.status import Status
+from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import GasModel, fluid_law
@@ -21,14 +24,17 @@ from toothspace.solver.cyclic import (
     RunPlan,
     _change,
     _difference,
+    _PeriodicSearch,
     _Seen,
     _turned,
+    first_turn_state,
     march_near,
     march_revolutions,
     march_several,
     successors,
 )
 from toothspace.solver.initial import start_state
+from toothspace.solver.integrator import Piece
 
 
 @pytest.fixture(scope="module")
@@ -179,3 +185,51 @@ def test_many_revolutions_keep_their_ends_and_fewer_states(cylinders: System) ->
     found = cyclic._joined(parts)
     assert found.times == pytest.approx(1.5 * np.arange(23))
     assert found.spanned == 33
+
+
+def test_chambers_that_turn_more_slowly_change_places_later() -> None:
+    machine = toy_machine()
+    (family,) = machine.families
+    slow = replace(machine, families=(replace(family, angle_ratio=0.5),))
+    own = np.arange(COUNT)
+    np.testing.assert_array_equal(successors(slow, 2.0 * TURN / COUNT), np.roll(own, -1))
+    np.testing.assert_array_equal(successors(slow, TURN / COUNT), own)
+
+
+@pytest.mark.parametrize(("turns", "left"), [(3.1, 0.1), (2.47, 0.47), (2.53, -0.47)])
+def test_a_state_is_put_back_by_whole_turns(turns: float, left: float, cylinders: System) -> None:
+    history = march_revolutions(cylinders, RunPlan(revolutions=1, samples_per_revolution=36))
+    states = history.states.copy()
+    states[-1, 0] = turns * TURN
+    found = first_turn_state(replace(history, states=states))
+    assert found[0] == pytest.approx(left * TURN)
+    np.testing.assert_array_equal(found[1:], states[-1, 1:])
+
+
+def revolutions_towards(cylinders: System, start: float) -> tuple[_PeriodicSearch, Piece, Array]:
+    """A search that has seen a mass come nearer by a tenth in each of two revolutions.
+
+    Returns the search, the last revolution, and the masses that all leads to.
+    """
+    size, settled = cylinders.arrays.size, start_state(cylinders)
+    states = np.tile(settled, (3, 1))
+    states[:, 0] = TURN * np.arange(3.0)
+    states[:, size.mass] *= 1.0 + start * 0.9 ** np.arange(3.0)
+    pieces = [Piece(Status.DONE, np.arange(2.0), states[k : k + 2], ()) for k in range(2)]
+    search = _PeriodicSearch(cylinders, pieces[0])
+    for piece in pieces:
+        search.learn(piece)
+    return search, pieces[-1], settled[size.mass : size.gas]
+
+
+def test_a_search_goes_where_two_revolutions_lead(cylinders: System) -> None:
+    """All the way where it is near, and by half of a mass where it is far."""
+    masses = slice(cylinders.arrays.size.mass, cylinders.arrays.size.gas)
+    search, last, settled = revolutions_towards(cylinders, 1e-4)
+    found = search.start(last)
+    assert found[0] == last.states[-1, 0]
+    assert found[masses] == pytest.approx(settled, rel=1e-6)
+    search, last, settled = revolutions_towards(cylinders, 3.0)
+    moved = search.start(last)[masses] / last.states[-1, masses] - 1.0
+    assert moved[0] == pytest.approx(-0.5)
+    assert moved[1:] == pytest.approx(np.zeros(COUNT - 1), abs=1e-6)
