@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from toothspace.gearing.mesh_cut import _BREATHER, CutSpaces
-from toothspace.numerics.periodic_table import monotone_table
+from toothspace.model.description import FlowPath
+from toothspace.model.path_category import LATERAL
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table, smooth_table
 
 WIDTH = 0.02
 Path = make_dataclass("Path", ["geometry"])
@@ -29,3 +31,25 @@ def test_a_breather_opens_smoothly_between_two_fillings_and_no_farther() -> None
     # half way up it is half open, and steepest
     rise = (angle - begin) / (0.25 * (end - begin))
     assert np.interp(0.5, rise, area) == pytest.approx(0.5 * most, rel=1e-3)
+
+
+@pytest.mark.parametrize("rows", [2, 72])
+def test_paths_of_fillings_are_those_of_the_section_however_coarse_its_tables(rows: int) -> None:
+    """Half a turn on, from the middle of the mesh; what varies goes on varying."""
+    cut, teeth = CutSpaces(tooth_count=9, twist=0.5), 9
+    nodes = np.arange(teeth)
+    angle = 2.0 * pi * np.arange(360) / 360
+    wave = 0.3 + 0.1 * np.sin(angle[:, None])
+    constant = np.tile([20e-6, WIDTH, 1e-3], (rows, 1))
+    land = FlowPath(
+        "land", LATERAL, "parallel_gap", nodes, np.full(teeth, 2 * teeth + 2), 1.0,
+        -2.0 * pi * nodes / teeth, PeriodicTable(2.0 * pi, constant, np.zeros_like(constant)),
+        drag_speed=smooth_table(2.0 * pi, wave),
+    )  # fmt: skip
+    (joined,) = cut.paths(land)
+    inside = np.linspace(0.1, 2.0 * pi - 0.1, 61)
+    np.testing.assert_allclose(joined.geometry(inside), np.tile(constant[0], (61, 1)), rtol=1e-12)
+    assert joined.drag_speed is not None
+    expected = 0.3 + 0.1 * np.sin(inside + pi)
+    np.testing.assert_allclose(joined.drag_speed(inside)[:, 0], expected, atol=1e-4)
+    assert np.all(joined.nodes_b == 2 * cut.count + 2)

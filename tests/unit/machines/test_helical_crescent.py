@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 import toothspace as ts
 from toothspace import api
@@ -110,6 +111,8 @@ def test_gears_from_files_wind_as_those_of_the_parameters(tmp_path: Path, suffix
     assert given.helix is not None
     assert found.helix.overlap_ratio == pytest.approx(given.helix.overlap_ratio, rel=1e-4)
     assert displacement(found) == pytest.approx(displacement(given), rel=1e-4)
+    bores = [shapely.Polygon(gears.ring_curve) for gears in (found, given)]
+    assert shapely.symmetric_difference(*bores).area < 1e-4 * bores[1].area
 
 
 @pytest.mark.slow
