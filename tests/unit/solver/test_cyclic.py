@@ -213,7 +213,7 @@ def revolutions_towards(cylinders: System, start: float) -> tuple[_PeriodicSearc
     """
     size, settled = cylinders.arrays.size, start_state(cylinders)
     states = np.tile(settled, (3, 1))
-    states[:, 0] = TURN * np.arange(3.0)
+    states[:, 0] = 0.2 + TURN * np.arange(3.0)
     states[:, size.mass] *= 1.0 + start * 0.9 ** np.arange(3.0)
     pieces = [Piece(Status.DONE, np.arange(2.0), states[k : k + 2], ()) for k in range(2)]
     search = _PeriodicSearch(cylinders, pieces[0])
