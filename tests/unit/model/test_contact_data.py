@@ -86,3 +86,12 @@ def test_a_gap_bends_with_shift_and_turn() -> None:
             wanted = by_shifts * shift[:, i] * shift[:, j] + by_turns * turns[i] * turns[j]
             wanted += mixed * (shift[:, i] * turns[j] + turns[i] * shift[:, j])
             assert bend == pytest.approx(wanted, rel=1e-5, abs=1e-6 * np.abs(wanted).max())
+
+
+def test_flanks_that_match_count_as_a_cylinder_of_a_hundred_widths() -> None:
+    contact = machine("egm12_pump").contacts[0]
+    values = contact.geometry.values.copy()
+    values[:, 3] = -values[:, 2]  # a hollow flank round the other
+    matching = replace(contact, geometry=replace(contact.geometry, values=values))
+    curvature = compliant_table(matching, np.eye(5)).values[:, col.CURVATURE]
+    assert curvature == pytest.approx(1.0 / (100.0 * contact.width), rel=1e-12)
