@@ -136,7 +136,9 @@ def on_cluster(whole: Path, longest: float, draw: random.Random, count: int) -> 
     """End studies whose points are computed by workers of a Dask scheduler."""
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0"
+    ) as cluster:
         _SCHEDULER[:] = [cluster.scheduler_address]
         started = time.perf_counter()
         code, messages = finish(start([*commands(whole.parent / "first")["cluster"]]))

@@ -41,7 +41,7 @@ TIMES = ("wall_time", "point_time")
 def threads() -> Iterator[LocalCluster]:
     """A cluster within this process."""
     with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0"
     ) as cluster:
         yield cluster
 
@@ -59,7 +59,7 @@ def without_times(result: StudyResult) -> xr.Dataset:
 def test_a_worker_that_is_killed_changes_nothing(tmp_path: Path) -> None:
     local = run_study(sweep())
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as own,
     ):
         processes = own.run(os.getpid)
@@ -226,7 +226,10 @@ def test_a_point_that_exhausts_its_worker_fails_alone() -> None:
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         LocalCluster(
-            n_workers=1, threads_per_worker=1, memory_limit="600MiB", dashboard_address=None
+            n_workers=1,
+            threads_per_worker=1,
+            memory_limit="600MiB",
+            dashboard_address="127.0.0.1:0",
         ) as cluster,
         Workers(1, cluster.scheduler_address) as pool,
     ):
