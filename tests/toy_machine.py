@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
+from toothspace.model.assembly import System, assemble
 from toothspace.model.description import (
     Body,
     ChamberFamily,
     FlowPath,
     MachineDescription,
 )
+from toothspace.model.fluid import GasModel, fluid_law
+from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import INLET_PORT, LATERAL, OUTLET_PORT, PathCategory
 from toothspace.numerics.periodic_table import (
     PeriodicTable,
@@ -22,6 +28,16 @@ COUNT = 6
 MEAN_VOLUME = 1.2e-6
 AMPLITUDE = 0.5e-6
 GAP = 15e-6
+OIL = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
+"""Oil that neither takes up nor gives off its air."""
+CONDITION = OperatingCondition(
+    shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
+)
+
+
+def toy_system(machine: MachineDescription | None = None, **condition: Any) -> System:
+    """The cylinders, or another machine, between 1 and 50 bar, but for what is said otherwise."""
+    return assemble(machine or toy_machine(), OIL, replace(CONDITION, **condition))
 
 
 def toy_machine(nodes: int = 720) -> MachineDescription:

@@ -159,12 +159,15 @@ def rounding_of_run(name: str, numbers: Traits) -> float:
     if name.startswith(("loaded_contacts", "contact_span")):
         return COUNTED
     alike = [float(numbers[name])]
-    if group := _UNIT.search(name):
-        ends = tuple(group.groups(""))
-        alike += [
-            float(v) for k, v in numbers.items() if (m := _UNIT.search(k)) and m.groups("") == ends
-        ]
+    if unit := _unit(name):
+        alike += [float(value) for other, value in numbers.items() if _unit(other) == unit]
     return max(RELATIVE * abs(alike[0]), SMALL * max(map(abs, alike)))
+
+
+def _unit(name: str) -> str:
+    """Unit of a number by the end of its name, or by its kind; empty without one."""
+    found = _UNIT.search(name)
+    return found.group() if found else ""
 
 
 def rounding_without_march(name: str, numbers: Traits) -> float:

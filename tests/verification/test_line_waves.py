@@ -223,6 +223,11 @@ kind = "coupling"
 stiffness = "{stiffness} N m/rad"
 damping = "{damping} N m s/rad"
 """
+PUSHED = (
+    MOTOR.replace('linear = "0.0002 N m/rpm"\ncubic = "4e-7 N m s^3/rad^3"\n', "")
+    + '\n[circuit.push]\nkind = "torque_source"\ntorque = [["0 s", "0.2 N m"]]\n'
+)
+"""A motor that 0.2 N m hold from beyond a fan without resistance."""
 
 
 @pytest.mark.slow
@@ -239,10 +244,8 @@ def test_stiff_coupling_is_a_rigid_shaft() -> None:
 
 def test_soft_coupling_lets_the_load_swing_at_its_own_frequency() -> None:
     """While the motor is held the fan swings against the coupling: w = sqrt(k/J)."""
-    text = MOTOR.replace('linear = "0.0002 N m/rpm"\ncubic = "4e-7 N m s^3/rad^3"\n', "")
-    push = '\n[circuit.push]\nkind = "torque_source"\ntorque = [["0 s", "0.2 N m"]]\n'
     soft = COUPLING.format(stiffness=2, damping=0)
-    data = run(text + soft + push, 'circuit.duration="0.6 s"', "run.relative_tolerance=1e-7").data
+    data = run(PUSHED + soft, 'circuit.duration="0.6 s"', "run.relative_tolerance=1e-7").data
     assert np.all(data["shaft_angle"].values == 0.0)
     swing = np.sqrt(2.0 / 0.0035)
     expected = -0.2 / 0.0035 / swing * np.sin(swing * data["time"].values)
@@ -251,11 +254,9 @@ def test_soft_coupling_lets_the_load_swing_at_its_own_frequency() -> None:
 
 def test_a_coupling_turns_its_load() -> None:
     """J dw/dt = coupling torque - load torque, with the damping of the coupling in the first."""
-    text = MOTOR.replace('linear = "0.0002 N m/rpm"\ncubic = "4e-7 N m s^3/rad^3"\n', "")
-    push = '\n[circuit.push]\nkind = "torque_source"\ntorque = [["0 s", "0.2 N m"]]\n'
     damped = COUPLING.format(stiffness=2, damping=0.02)
     short = 'circuit.duration="0.15 s"', "run.time_samples=200"
-    data = run(text + damped + push, *short).data
+    data = run(PUSHED + damped, *short).data
     time, speed = data["time"].values, data["load_speed"].values
     turning = (data["coupling_torque"] - data["load_torque"]).values
     gained = 0.0035 * np.gradient(speed, time)

@@ -22,7 +22,6 @@ from toothspace.solver.compiled_model import Observation, evaluate_state, observ
 Place = tuple[str, int]
 """What is set, and the row of its element; -1 for the shaft."""
 
-
 _ROUNDED = 1.0 + 1e-12
 """Points in time that differ by less are one. [-]"""
 

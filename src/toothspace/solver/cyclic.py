@@ -16,6 +16,7 @@ from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.numerics.acceleration import Mixing
 from toothspace.results.ripple import AGREEMENT
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, Piece, start_march
 
@@ -394,8 +395,6 @@ def _march_pitches(
 
 def _teeth_alike(system: System, states: Array, pitch: float) -> bool:
     """Whether a machine that has turned on by a pitch [rad] is the same, with other chambers."""
-    from toothspace.solver.compiled_model import observe
-
     here = observe(system.arrays, states)
     there = observe(system.arrays, _turned(system, states, pitch))
     return all(
@@ -554,8 +553,6 @@ class _Seen(NamedTuple):
 
 
 def _seen(system: System, states: Array) -> _Seen:
-    from toothspace.solver.compiled_model import observe
-
     size = system.arrays.size
     pressure = observe(system.arrays, states).pressure
     return _Seen(pressure, states[:, size.position : size.velocity])

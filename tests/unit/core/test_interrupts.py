@@ -16,15 +16,13 @@ import numpy as np
 import pytest
 
 from tests.conftest import posix
-from tests.toy_machine import toy_machine
+from tests.toy_machine import toy_system
 from toothspace import api
 from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.assembly import System
 from toothspace.run import running_in
 from toothspace.solver import cyclic
 from toothspace.solver.cyclic import RunPlan, march_revolutions
@@ -35,14 +33,7 @@ MOTOR = REPOSITORY / "cases" / "egm12_motor.toml"
 
 @pytest.fixture(scope="module")
 def system() -> System:
-    condition = OperatingCondition(
-        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-    )
-    return assemble(
-        toy_machine(),
-        fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08)),
-        condition,
-    )
+    return toy_system()
 
 
 def test_an_interrupt_inside_a_revolution_keeps_the_revolutions_before(

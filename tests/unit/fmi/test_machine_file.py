@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.toy_machine import AMPLITUDE, COUNT, toy_machine
+from tests.toy_machine import AMPLITUDE, CONDITION, COUNT, OIL, toy_machine
 from toothspace.circuit.shaft_loads import FreeShaft
 from toothspace.core.types import Array
 from toothspace.fmi import machine_file
@@ -17,19 +17,13 @@ from toothspace.fmi.machine_file import MachineVariable
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, assemble, node_places
 from toothspace.model.description import Motion
-from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import start_march
 
-LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-CONDITION = OperatingCondition(
-    shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-)
-
 
 def cylinders(condition: OperatingCondition = CONDITION, **changes: Any) -> System:
-    return assemble(replace(toy_machine(), **changes), LAW, condition)
+    return assemble(replace(toy_machine(), **changes), OIL, condition)
 
 
 class Block:

@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.toy_machine import toy_machine
+from tests.toy_machine import toy_machine, toy_system
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.status import Status
-from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.assembly import System
 from toothspace.run import load_orifice
 from toothspace.run.load_orifice import (
     LOAD_MATCH,
@@ -29,11 +27,8 @@ PLAN = RunPlan(max_revolutions=40, samples_per_revolution=180)
 
 def pump(speed: float, pressure: float) -> System:
     """Toy pump with an outlet volume at a speed [rad/s] and an outlet pressure [Pa]."""
-    condition = OperatingCondition(
-        shaft_speed=speed, inlet_pressure=1e5, outlet_pressure=pressure, drain_pressure=1e5
-    )
-    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-    return assemble(replace(toy_machine(), port_volumes=(1e-5, 1e-5)), law, condition)
+    machine = replace(toy_machine(), port_volumes=(1e-5, 1e-5))
+    return toy_system(machine, shaft_speed=speed, outlet_pressure=pressure)
 
 
 @pytest.mark.parametrize("pressure", [3e5, 50e5, 150e5])

@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.toy_machine import toy_machine
+from tests.toy_machine import toy_system
 from toothspace.core.status import Status
-from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.assembly import System
 from toothspace.solver import accuracy, cyclic
 from toothspace.solver.accuracy import march_to_balance
 from toothspace.solver.cyclic import History, RunPlan
@@ -25,11 +23,7 @@ Answers = dict[float, tuple[Status, float]]
 
 @pytest.fixture
 def machine() -> System:
-    condition = OperatingCondition(
-        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-    )
-    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-    return assemble(toy_machine(), law, condition)
+    return toy_system()
 
 
 @pytest.fixture

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.toy_machine import toy_machine
-from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
+from tests.toy_machine import toy_system
+from toothspace.model.assembly import System
 from toothspace.solver.co_simulation import CoSimulation
 from toothspace.solver.initial import start_state
 
@@ -34,10 +32,7 @@ class Unit:
 
 @pytest.fixture
 def system() -> System:
-    condition = OperatingCondition(
-        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-    )
-    return assemble(toy_machine(), fluid_law("iso_vg_46", 323.15, GasModel()), condition)
+    return toy_system()
 
 
 def linked(system: System, *units: Unit) -> CoSimulation:

@@ -7,14 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.toy_machine import COUNT, TURN, toy_machine
+from tests.toy_machine import COUNT, TURN, toy_machine, toy_system
 from toothspace import api
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
 from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver import cyclic
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import (
@@ -88,11 +86,7 @@ def test_changes_count_two_tenthousandths_of_the_pressure_and_two_thousandths_of
 
 @pytest.fixture(scope="module")
 def cylinders() -> System:
-    condition = OperatingCondition(
-        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-    )
-    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-    return assemble(toy_machine(), law, condition)
+    return toy_system()
 
 
 @pytest.mark.parametrize("samples", [36, 35])

@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 
 from tests.tank_circuit import pump_between_tanks
-from tests.toy_machine import COUNT, GAP, toy_machine
+from tests.toy_machine import COUNT, GAP, OIL, toy_machine, toy_system
 from toothspace import api
 from toothspace.closures.line_friction import CRITICAL_REYNOLDS
 from toothspace.closures.viscosity import dynamic_viscosity
-from toothspace.model.assembly import System, assemble
+from toothspace.model.assembly import System
 from toothspace.model.description import FlowPath, LumpedJournalBearing, MachineDescription
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import INLET_PORT, PathCategory
 from toothspace.numerics.periodic_table import monotone_table
 from toothspace.solver.compiled_model import Observation, observe
@@ -61,11 +59,7 @@ def test_every_line_is_read_at_its_own_flow() -> None:
 
 def looked_at(machine: MachineDescription) -> tuple[System, np.ndarray, Observation]:
     """A machine between 1 and 50 bar, its chambers as the start leaves them."""
-    condition = OperatingCondition(
-        shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
-    )
-    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-    system = assemble(machine, law, condition)
+    system = toy_system(machine)
     states = np.repeat(start_state(system)[None], 3, axis=0)
     states[:, 0] += [0.0, 0.2, 0.4]
     return system, states, observe(system.arrays, states)
@@ -110,9 +104,6 @@ def test_taylor_number_of_every_journal_by_hand() -> None:
     found = dict(_bearings(system, 100.0))
     assert found["rotor"] == pytest.approx(per_speed * 1.0 * 5e-5 * (5e-5 / 0.01) ** 0.5)
     assert found["idle gear"] == pytest.approx(0.5 * per_speed * 1.0 * 8e-5 * (8e-5 / 0.02) ** 0.5)
-
-
-OIL = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
 
 
 def test_a_gap_is_read_where_it_stands_and_with_the_oil_in_it() -> None:

@@ -9,7 +9,16 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from tests.toy_machine import AMPLITUDE, COUNT, GAP, TURN, toy_machine
+from tests.toy_machine import (
+    AMPLITUDE,
+    CONDITION,
+    COUNT,
+    GAP,
+    OIL,
+    TURN,
+    toy_machine,
+    toy_system,
+)  # fmt: skip
 from toothspace import api
 from toothspace.circuit.network import END_A, END_B
 from toothspace.circuit.shaft_loads import FreeShaft
@@ -22,7 +31,6 @@ from toothspace.model.assembly import System, assemble, node_places
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
 from toothspace.model.ledger import LEDGER_NAMES
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import CIRCUIT_ORIFICE, DRAIN, LATERAL, LOAD_ORIFICE
 from toothspace.numerics.periodic_table import table_from_exact_slopes
 from toothspace.results.solution import Solution
@@ -31,14 +39,7 @@ from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.initial import start_state
 
-LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-CONDITION = OperatingCondition(
-    shaft_speed=150.0,
-    inlet_pressure=1e5,
-    outlet_pressure=50e5,
-    drain_pressure=1e5,
-    relative_tolerance=1e-4,
-)
+COARSE = {"relative_tolerance": 1e-4}
 GASSY = fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08))
 DRAG = 2e-3
 """Mean speed of the walls of the gaps between cylinders per shaft speed. [m/rad]"""
@@ -54,7 +55,7 @@ def turned() -> History:
     bleed = replace(leak, name="bleed", category=DRAIN, nodes_b=np.full(COUNT, COUNT + 2))
     paths = (*ports, replace(leak, drag_speed=drag), bleed)
     machine = replace(toy, paths=paths, drain="external")
-    system = assemble(machine, LAW, CONDITION)
+    system = toy_system(machine, **COARSE)
     return march_revolutions(system, RunPlan(revolutions=2, samples_per_revolution=36))
 
 
@@ -150,7 +151,7 @@ def test_torque_and_flows_of_the_samples_are_those_of_the_ledger(
 def test_what_a_load_and_lines_dissipate_is_given_to_them_at_a_port(mode: str) -> None:
     """5 J in the load behind the outlet, 3 J in a line at the working port; no oil has moved."""
     machine = replace(toy_machine(), mode=mode, port_volumes=(1e-5, 1e-5))
-    system = assemble(machine, LAW, replace(CONDITION, load_area=1e-6))
+    system = toy_system(machine, load_area=1e-6, **COARSE)
     first, size = start_state(system), system.arrays.size
     last = first.copy()
     accounts = [*LEDGER_NAMES, *(category.account for category in system.categories)]
@@ -168,10 +169,10 @@ def test_what_a_load_and_lines_dissipate_is_given_to_them_at_a_port(mode: str) -
 def test_flow_through_a_load_is_that_of_its_orifice() -> None:
     """C A sqrt(2 dp / rho) from 50 to 1 bar, a little less where it is not all turbulent."""
     machine = replace(toy_machine(), port_volumes=(1e-5, 1e-5))
-    system = assemble(machine, LAW, replace(CONDITION, load_area=1e-6))
+    system = toy_system(machine, load_area=1e-6, **COARSE)
     states = start_state(system)[None]
     history = History(Status.DONE, system, np.zeros(1), states, (), 1, {})
-    density = float(mixture_density(50e5, LAW.feed_gas_mass_fraction, LAW))
+    density = float(mixture_density(50e5, OIL.feed_gas_mass_fraction, OIL))
     expected = DISCHARGE_COEFFICIENT * 1e-6 * np.sqrt(2.0 * 49e5 / density)
     found = outcome._line_flow(history, observe(system.arrays, states))["line_flow_rate"]
     assert 0.9 * expected < float(found[0]) < expected
@@ -218,8 +219,8 @@ def test_gaps_of_tips_are_those_whose_throats_move() -> None:
 @pytest.mark.parametrize("gas", ["none", "equilibrium"])
 def test_what_oil_holds_grows_by_the_work_on_it(gas: str) -> None:
     """dE = -p dV where no oil passes; a free shaft of 3.1e-4 kg m2 turns with it."""
-    free = replace(CONDITION, free_shaft=FreeShaft(inertia=3e-4))
-    law = LAW if gas == "none" else GASSY
+    free = replace(CONDITION, **COARSE, free_shaft=FreeShaft(inertia=3e-4))
+    law = OIL if gas == "none" else GASSY
     system = assemble(toy_machine(), law, free)
     state, size = start_state(system), system.arrays.size
     room = np.linspace(0.95, 0.9, COUNT) if gas != "none" else np.ones(COUNT)
@@ -244,7 +245,7 @@ def test_what_oil_holds_grows_by_the_work_on_it(gas: str) -> None:
         == pytest.approx(850.0 * room.mean() * 6 * 1.2e-6, rel=0.03)
     )
     assert held[0]["kinetic"] == pytest.approx(0.5 * 3.1e-4 * 150.0**2)
-    prescribed = assemble(toy_machine(), LAW, CONDITION)
+    prescribed = toy_system(**COARSE)
     assert outcome.held_in(prescribed, start_state(prescribed))["kinetic"] == 0.0
 
 

@@ -9,14 +9,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from tests.toy_machine import toy_machine
+from tests.toy_machine import toy_machine, toy_system
 from toothspace.circuit.shaft_loads import FreeShaft
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
-from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import GasModel, fluid_law
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.assembly import System
 from toothspace.numerics.ndf_types import STEP_TOO_SMALL
 from toothspace.solver import integrator, transient
 from toothspace.solver.initial import start_state
@@ -28,21 +26,14 @@ from toothspace.solver.transient import (
     settle,
 )
 
-LAW = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
-CONDITION = OperatingCondition(
-    shaft_speed=100.0,
-    inlet_pressure=1e5,
-    outlet_pressure=50e5,
-    drain_pressure=1e5,
-    relative_tolerance=1e-4,
-)
+SLOW = {"shaft_speed": 100.0, "relative_tolerance": 1e-4}
 
 
 def cylinders(*knots: tuple[float, float], **changes: Any) -> System:
     """Six cylinders whose shaft follows a speed: time and speed of its knots."""
     if knots:
         changes |= {"speed_schedule": np.array(knots), "shaft_speed": knots[0][1]}
-    return assemble(toy_machine(), LAW, replace(CONDITION, **changes))
+    return toy_system(**(SLOW | changes))
 
 
 def angle_at(knots: tuple[tuple[float, float], ...], times: Array) -> Array:
@@ -157,8 +148,8 @@ def test_the_pressure_difference_is_that_which_a_machine_works_with(mode: str) -
     if mode == "motor":
         ports = {"inlet_pressure": 50e5, "outlet_pressure": 1e5}
     knots = np.array([[0.0, 100.0], [1.0, 100.0]])
-    condition = replace(CONDITION, speed_schedule=knots, **ports)
-    system = assemble(replace(toy_machine(), mode=mode), LAW, condition)
+    machine = replace(toy_machine(), mode=mode)
+    system = toy_system(machine, **SLOW, speed_schedule=knots, **ports)
     march = TransientMarch(system, TimePlan(1.0))
     states = np.tile(start_state(system), (3, 1))
     found = transient._values(march, 1e-3 * np.arange(3.0), states)
